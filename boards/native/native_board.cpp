@@ -1,0 +1,207 @@
+#include "boards/native/native_board.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <string_view>
+
+#include "firmware/core/config/design_parameters.hpp"
+#include "firmware/core/controller.hpp"
+#include "firmware/source_hash.hpp"
+
+namespace umov::boards::native {
+namespace {
+
+using firmware::axis_count;
+
+/// Virtual time is counted in ticks of the step timers; a microsecond and a sample are whole ticks.
+using Ticks = std::uint64_t;
+constexpr Ticks ticks_per_second = firmware::step_timer_hz;
+constexpr Ticks ticks_per_us = ticks_per_second / 1'000'000;
+constexpr Ticks ticks_per_ms = ticks_per_second / 1'000;
+constexpr Ticks ticks_per_sample = ticks_per_second / firmware::sample_rate_hz;
+static_assert(ticks_per_us * 1'000'000 == ticks_per_second);
+static_assert(ticks_per_sample * firmware::sample_rate_hz == ticks_per_second);
+
+constexpr Ticks never = std::numeric_limits<Ticks>::max();
+/// Like a board's transmit buffer: what does not fit waits in the core.
+constexpr std::size_t output_capacity = 16 * 1024;
+
+double seconds(Ticks ticks) {
+  return static_cast<double>(ticks) / static_cast<double>(ticks_per_second);
+}
+
+std::array<char, 24> padded(std::string_view text) {
+  std::array<char, 24> name{};
+  std::copy_n(text.begin(), std::min(text.size(), name.size()), name.begin());
+  return name;
+}
+
+firmware::Identity identity_of(const NativeBoardOptions& options) {
+  return {.device_name = padded("umov native"),
+          .serial = padded(options.serial),
+          .firmware_hash = firmware::source_hash,
+          .boot_id = options.boot_id,
+          .reset_cause = firmware::ResetCause::power_on};
+}
+
+}  // namespace
+
+struct NativeBoard::Impl final : firmware::Board {
+  Impl(World& the_world, NativeBoardOptions the_options)
+      : world(&the_world),
+        options(std::move(the_options)),
+        log(options.log ? options.log : std::make_shared<RamLog>()),
+        controller(*this, *log, identity_of(options)) {
+    directions.fill(1);
+    next_step.fill(never);
+    options.samples_per_block = std::max(1u, options.samples_per_block);
+    signal.resize(options.samples_per_block);
+    monitor.resize(options.samples_per_block);
+    controller.start();
+  }
+
+  // firmware::Board
+  std::uint64_t time_us() const override { return now / ticks_per_us; }
+  std::uint64_t link_time_us() const override {
+    return options.link_time_us ? options.link_time_us() : time_us();
+  }
+  std::size_t link_room() const override { return output_capacity - output.size(); }
+  bool write_link(std::span<const std::uint8_t> frame) override {
+    if (output.size() + frame.size() > output_capacity) return false;
+    output.insert(output.end(), frame.begin(), frame.end());
+    return true;
+  }
+  void set_direction(int axis, int direction) override { directions[index(axis)] = direction; }
+  void start_step_timer(int axis, std::uint32_t ticks) override {
+    next_step[index(axis)] = now + std::max(1u, ticks);
+  }
+  void stop_step_timer(int axis) override { next_step[index(axis)] = never; }
+  void step(int axis) override { world->step(axis, directions[index(axis)], seconds(now)); }
+  firmware::AxisInputs switches(int axis) const override {
+    const AxisSwitches s = world->switches(axis);
+    return {s.home, s.lower_limit, s.upper_limit};
+  }
+  void set_laser(int laser, bool on) override { world->set_laser(laser, on, seconds(now)); }
+  void set_shutter(bool open) override { world->set_shutter(open, seconds(now)); }
+  void set_gain(int range) override { world->set_gain(range, seconds(now)); }
+  bool interlock_closed() const override { return world->interlock_closed(); }
+  void start_sampling(std::uint32_t phase_step) override {
+    world->set_reference(phase_step);
+    sampling_since = now;
+    first_sample = 0;
+    next_block = now + options.samples_per_block * ticks_per_sample;
+  }
+  void stop_sampling() override { next_block = never; }
+  void mask_interrupts() override {}
+  void unmask_interrupts() override {}
+
+  static std::size_t index(int axis) { return static_cast<std::size_t>(axis); }
+
+  /// The next event at or before `limit`; false when there is none (then time is at `limit`).
+  bool run_next(Ticks limit) {
+    int axis = 0;
+    for (int other = 1; other < axis_count; ++other) {
+      if (next_step[index(other)] < next_step[index(axis)]) axis = other;
+    }
+    const Ticks step_at = next_step[index(axis)];
+    const Ticks next = std::min({step_at, next_block, next_tick});
+    if (next > limit) {
+      now = limit;
+      return false;
+    }
+    now = next;
+    // At the same instant interrupts go before the main loop, steps first.
+    if (step_at == next) {
+      take_step(axis);
+    } else if (next_block == next) {
+      take_samples();
+    } else {
+      next_tick += ticks_per_ms;
+      controller.tick();
+    }
+    return true;
+  }
+
+  void take_step(int axis) {
+    const std::uint32_t interval = controller.on_step_timer(axis);
+    next_step[index(axis)] = interval == 0 ? never : now + interval;
+  }
+
+  void take_samples() {
+    world->sample(seconds(sampling_since), firmware::sample_rate_hz, first_sample, signal, monitor);
+    first_sample += signal.size();
+    next_block += signal.size() * ticks_per_sample;
+    controller.on_samples(signal, monitor);
+  }
+
+  World* world;
+  NativeBoardOptions options;
+  std::shared_ptr<RamLog> log;
+  firmware::Controller controller;
+  std::array<int, axis_count> directions{};
+  std::array<Ticks, axis_count> next_step{};
+  Ticks now = 0;
+  Ticks next_tick = ticks_per_ms;
+  Ticks next_block = never;
+  Ticks sampling_since = 0;
+  std::uint64_t first_sample = 0;
+  std::vector<std::uint16_t> signal;
+  std::vector<std::uint16_t> monitor;
+  std::vector<std::uint8_t> output;
+};
+
+NativeBoard::NativeBoard(World& world, NativeBoardOptions options)
+    : impl_(std::make_unique<Impl>(world, std::move(options))) {}
+NativeBoard::~NativeBoard() = default;
+NativeBoard::NativeBoard(NativeBoard&&) noexcept = default;
+NativeBoard& NativeBoard::operator=(NativeBoard&&) noexcept = default;
+
+void NativeBoard::deliver(std::span<const std::uint8_t> bytes) {
+  impl_->controller.on_link_bytes(bytes);
+}
+
+std::size_t NativeBoard::take_output(std::vector<std::uint8_t>& buffer) {
+  const std::size_t size = impl_->output.size();
+  buffer.insert(buffer.end(), impl_->output.begin(), impl_->output.end());
+  impl_->output.clear();
+  return size;
+}
+
+bool NativeBoard::has_output() const {
+  return !impl_->output.empty();
+}
+
+void NativeBoard::run_for(std::uint64_t duration_us) {
+  const Ticks limit = impl_->now + duration_us * ticks_per_us;
+  while (impl_->run_next(limit)) {
+  }
+}
+
+bool NativeBoard::run_until_output(std::uint64_t max_duration_us) {
+  const Ticks limit = impl_->now + max_duration_us * ticks_per_us;
+  while (impl_->output.empty() && impl_->run_next(limit)) {
+  }
+  return !impl_->output.empty();
+}
+
+std::uint64_t NativeBoard::now_us() const {
+  return impl_->time_us();
+}
+
+bool NativeBoard::resting() const {
+  return impl_->next_block == never && impl_->controller.resting();
+}
+
+void NativeBoard::signal_stall(int axis) {
+  impl_->controller.on_stall(axis);
+}
+void NativeBoard::signal_adc_overrun() {
+  impl_->controller.on_adc_overrun();
+}
+
+std::int32_t NativeBoard::position_steps(int axis) const {
+  return impl_->controller.motion().position_steps(axis);
+}
+
+}  // namespace umov::boards::native

@@ -1,0 +1,109 @@
+// A board of nothing but registers, so that the core can be linked and measured as a whole.
+#include <cstddef>
+#include <cstdint>
+#include <new>
+
+#include "firmware/core/controller.hpp"
+
+namespace {
+
+volatile std::uint32_t reg[64];  // stands for the chip's registers
+
+class RegisterBoard final : public umov::firmware::Board {
+ public:
+  std::uint64_t time_us() const override { return reg[0]; }
+  std::uint64_t link_time_us() const override { return reg[0]; }
+  std::size_t link_room() const override { return reg[32]; }
+  bool write_link(std::span<const std::uint8_t> frame) override {
+    for (const std::uint8_t byte : frame) reg[1] = byte;
+    return true;
+  }
+  void set_direction(int axis, int direction) override {
+    reg[2 + axis] = static_cast<std::uint32_t>(direction);
+  }
+  void start_step_timer(int axis, std::uint32_t ticks) override { reg[8 + axis] = ticks; }
+  void stop_step_timer(int axis) override { reg[8 + axis] = 0; }
+  void step(int axis) override { reg[14] = 1u << axis; }
+  umov::firmware::AxisInputs switches(int axis) const override {
+    const std::uint32_t bits = reg[15] >> (3 * axis);
+    return {(bits & 1u) != 0, (bits & 2u) != 0, (bits & 4u) != 0};
+  }
+  void set_laser(int laser, bool on) override { reg[16 + laser] = on; }
+  void set_shutter(bool open) override { reg[19] = open; }
+  void set_gain(int range) override { reg[20] = static_cast<std::uint32_t>(range); }
+  bool interlock_closed() const override { return reg[21] != 0; }
+  void start_sampling(std::uint32_t phase_step) override { reg[22] = phase_step; }
+  void stop_sampling() override { reg[22] = 0; }
+  void mask_interrupts() override { reg[23] = 1; }
+  void unmask_interrupts() override { reg[23] = 0; }
+};
+
+class NoLog final : public umov::firmware::PersistentLog {
+ public:
+  void append(const umov::firmware::LoggedFault& entry) override { reg[24] = entry.fault; }
+  std::uint16_t count() const override { return 0; }
+  bool read(std::uint16_t, umov::firmware::LoggedFault&) const override { return false; }
+};
+
+alignas(umov::firmware::Controller) unsigned char storage[sizeof(umov::firmware::Controller)];
+RegisterBoard board;
+NoLog fault_log;
+
+}  // namespace
+
+extern "C" {
+
+void umov_check_entry() {
+  auto* controller = new (storage) umov::firmware::Controller(board, fault_log, {});
+  controller->start();
+  for (;;) {
+    const std::uint8_t byte = static_cast<std::uint8_t>(reg[25]);
+    const std::uint16_t codes[2] = {static_cast<std::uint16_t>(reg[26]),
+                                    static_cast<std::uint16_t>(reg[27])};
+    controller->on_link_bytes({&byte, 1});
+    controller->on_samples({codes, 1}, {codes + 1, 1});
+    reg[8] = controller->on_step_timer(static_cast<int>(reg[28] % 6));
+    if (reg[29] != 0) controller->on_stall(0);
+    if (reg[30] != 0) controller->on_adc_overrun();
+    controller->tick();
+  }
+}
+
+// What a freestanding compiler may call.
+void* memcpy(void* to, const void* from, std::size_t size) {
+  auto* t = static_cast<unsigned char*>(to);
+  const auto* f = static_cast<const unsigned char*>(from);
+  for (std::size_t i = 0; i < size; ++i) static_cast<volatile unsigned char*>(t)[i] = f[i];
+  return to;
+}
+void* memset(void* to, int value, std::size_t size) {
+  auto* t = static_cast<volatile unsigned char*>(to);
+  for (std::size_t i = 0; i < size; ++i) t[i] = static_cast<unsigned char>(value);
+  return to;
+}
+void* memmove(void* to, const void* from, std::size_t size) {
+  auto* t = static_cast<volatile unsigned char*>(to);
+  const auto* f = static_cast<const volatile unsigned char*>(from);
+  if (t < f) {
+    for (std::size_t i = 0; i < size; ++i) t[i] = f[i];
+  } else {
+    for (std::size_t i = size; i > 0; --i) t[i - 1] = f[i - 1];
+  }
+  return to;
+}
+[[noreturn]] void __cxa_pure_virtual() {
+  for (;;) reg[31] = 1;
+}
+[[noreturn]] void abort() {
+  for (;;) reg[31] = 2;
+}
+int __aeabi_atexit(void*, void (*)(void*), void*) {
+  return 0;
+}
+void* __dso_handle = nullptr;
+int __cxa_atexit(void (*)(void*), void*, void*) {
+  return 0;
+}
+void __aeabi_unwind_cpp_pr0() {}
+void __aeabi_unwind_cpp_pr1() {}
+}

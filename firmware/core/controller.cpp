@@ -1,0 +1,145 @@
+#include "firmware/core/controller.hpp"
+
+#include <algorithm>
+
+#include "firmware/core/config/design_parameters.hpp"
+
+namespace umov::firmware {
+
+using protocol::Fault;
+using protocol::State;
+
+Controller::Controller(Board& board, PersistentLog& log, const Identity& identity)
+    : board_(&board),
+      log_(&log),
+      identity_(identity),
+      outputs_(board),
+      motion_(board),
+      sequencer_(board, motion_, outputs_),
+      safety_(board, log, identity.boot_id),
+      link_(board) {}
+
+void Controller::start() {
+  outputs_.reset();
+  sequencer_.configure(default_lockin);
+  if (identity_.reset_cause == ResetCause::watchdog) raise(Fault::watchdog, -1);
+  if (identity_.reset_cause == ResetCause::brown_out) raise(Fault::brown_out, -1);
+}
+
+void Controller::enter_safe_state() {
+  outputs_.cut_light();
+  sequencer_.suspend();
+  motion_.stop_all();
+}
+
+void Controller::raise(Fault fault, std::int32_t detail) {
+  // The state is entered for every report, latched already or not: it costs nothing to be sure.
+  enter_safe_state();
+  safety_.raise(fault, detail);
+}
+
+void Controller::on_stall(int axis) {
+  outputs_.cut_light();
+  safety_.raise_from_interrupt(Fault::stall, axis);
+}
+
+void Controller::on_adc_overrun() {
+  outputs_.cut_light();
+  safety_.raise_from_interrupt(Fault::adc_overrun, -1);
+}
+
+void Controller::watch_deadline() {
+  const std::uint64_t now = board_->time_us();
+  if (ticked_ && now - last_tick_us_ > tick_limit_us) raise(Fault::missed_deadline, -1);
+  last_tick_us_ = now;
+  ticked_ = true;
+}
+
+void Controller::collect_faults() {
+  Fault fault = Fault::none;
+  std::int32_t detail = -1;
+  while (safety_.take_pending(fault, detail)) {
+    if (fault == Fault::stall) motion_.forget_position(detail);
+    raise(fault, detail);
+  }
+  const MotionFault motion_fault = motion_.take_fault();
+  if (motion_fault.fault != Fault::none) raise(motion_fault.fault, motion_fault.axis);
+  if (!board_->interlock_closed() && !safety_.latched(Fault::interlock))
+    raise(Fault::interlock, -1);
+  const bool host_needed = sequencer_.running() || outputs_.laser_on();
+  if (host_needed && link_.silent() && !safety_.latched(Fault::link_lost)) {
+    raise(Fault::link_lost, -1);
+  }
+}
+
+void Controller::tick() {
+  watch_deadline();
+  motion_.tick();
+  collect_faults();
+  if (!safety_.latched()) sequencer_.tick();
+  send_what_is_due();
+}
+
+void Controller::on_link_bytes(std::span<const std::uint8_t> bytes) {
+  link_.receive(bytes, [this](const FrameView& frame) { on_frame(frame); });
+  send_what_is_due();
+}
+
+void Controller::send_what_is_due() {
+  // Nobody there: what is sent now would only be in the way of a host that comes.
+  if (!session_open_ || link_.silent()) return;
+  protocol::FaultEvent event;
+  while (safety_.next_report(event) && link_.tell(event)) safety_.mark_reported();
+  send_records();
+  send_credit();
+}
+
+void Controller::send_records() {
+  RecordRing& records = sequencer_.records();
+  const std::uint64_t now = board_->link_time_us();
+  if (records.sent_unacknowledged() && now - records_sent_at_us_ >= record_resend_us) {
+    records.send_all_again();
+  }
+  while (records.unsent()) {
+    const bool oldest = !records.sent_unacknowledged();
+    if (!link_.tell(records.to_send())) break;
+    records.mark_sent();
+    if (oldest) records_sent_at_us_ = now;
+  }
+}
+
+void Controller::send_credit() {
+  if (!sequencer_.active()) return;
+  const RowRing& rows = sequencer_.rows();
+  const std::uint32_t row_count = sequencer_.program().row_count;
+  const std::uint32_t free = std::min(rows.free(), row_count - rows.next());
+  const protocol::RowCredit credit{sequencer_.program().program_id, rows.next(),
+                                   static_cast<std::uint16_t>(free)};
+  const std::uint64_t now = board_->link_time_us();
+  const std::uint32_t taken = credit.next_row - told_credit_.next_row;
+  const std::uint32_t made =
+      credit.next_row + credit.free_slots - (told_credit_.next_row + told_credit_.free_slots);
+  const bool changed = taken >= credit_batch || made >= credit_batch;
+  const bool wanting = free > 0 && now - credit_sent_at_us_ >= credit_resend_us;
+  const bool last = rows.next() == row_count && taken > 0;
+  if (!credit_due_ && !changed && !wanting && !last) return;
+  if (!link_.tell(credit)) return;
+  told_credit_ = credit;
+  credit_due_ = false;
+  credit_sent_at_us_ = now;
+}
+
+State Controller::state() const {
+  if (safety_.latched()) return State::safe;
+  if (motion_.homing()) return State::homing;
+  const State program = sequencer_.state();
+  const bool moves_alone = program == State::idle || program == State::paused;
+  return moves_alone && motion_.busy() ? State::moving : program;
+}
+
+bool Controller::resting() const {
+  if (motion_.busy()) return false;
+  return safety_.latched() || sequencer_.state() != State::scanning;
+}
+
+}  // namespace umov::firmware

@@ -1,0 +1,107 @@
+// The controller: motion, lock-in, sequencer, safety and link put together behind a handful of
+// entry points that a board calls.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "firmware/core/link/link.hpp"
+#include "firmware/core/motion/motion.hpp"
+#include "firmware/core/port.hpp"
+#include "firmware/core/safety/safety.hpp"
+#include "firmware/core/sequencer/optics_outputs.hpp"
+#include "firmware/core/sequencer/sequencer.hpp"
+#include "protocol/messages.hpp"
+
+namespace umov::firmware {
+
+/// One a board, statically allocated; board and log must outlive it.
+/// Contexts (firmware/README.md): on_step_timer() in the timer interrupts, on_samples() in the
+/// sample interrupt, on_stall() and on_adc_overrun() in any interrupt; start(), tick() and
+/// on_link_bytes() in the main loop.
+class Controller {
+ public:
+  Controller(Board& board, PersistentLog& log, const Identity& identity);
+
+  /// Once, when the hardware is ready: dark, gain 1, faults of the last reset latched.
+  void start();
+  /// Each millisecond.
+  void tick();
+  /// Bytes from the host, in chunks of any size.
+  void on_link_bytes(std::span<const std::uint8_t> bytes);
+  /// A step is due; ticks to the next, 0 = none.
+  std::uint32_t on_step_timer(int axis) { return motion_.on_step_timer(axis); }
+  /// Codes of both channels, equal lengths, in the order sampled.
+  void on_samples(std::span<const std::uint16_t> signal, std::span<const std::uint16_t> monitor) {
+    sequencer_.on_samples(signal, monitor);
+  }
+  /// The driver of an axis reports lost steps.
+  void on_stall(int axis);
+  /// Samples were lost.
+  void on_adc_overrun();
+
+  const Motion& motion() const { return motion_; }
+  const Sequencer& sequencer() const { return sequencer_; }
+  /// Nothing moves, nothing is measured and nothing is waited for but the host.
+  bool resting() const;
+
+ private:
+  using FrameView = protocol::FrameView;
+
+  // controller.cpp
+  void raise(protocol::Fault fault, std::int32_t detail);
+  void enter_safe_state();
+  void collect_faults();
+  void watch_deadline();
+  void send_what_is_due();
+  void send_records();
+  void send_credit();
+  protocol::State state() const;
+
+  // commands.cpp
+  void on_frame(const FrameView& frame);
+  template <class M>
+  void dispatch(const FrameView& frame);
+  void handle(const FrameView& frame, const protocol::Hello& message);
+  void handle(const FrameView& frame, const protocol::TimeSync& message);
+  void handle(const FrameView& frame, const protocol::GetStatus& message);
+  void handle(const FrameView& frame, const protocol::GetAxis& message);
+  void handle(const FrameView& frame, const protocol::SetAxis& message);
+  void handle(const FrameView& frame, const protocol::SetLockin& message);
+  void handle(const FrameView& frame, const protocol::ProgramBegin& message);
+  void handle(const FrameView& frame, const protocol::ProgramRow& message);
+  void handle(const FrameView& frame, const protocol::ProgramControl& message);
+  void handle(const FrameView& frame, const protocol::RecordAck& message);
+  void handle(const FrameView& frame, const protocol::Home& message);
+  void handle(const FrameView& frame, const protocol::Move& message);
+  void handle(const FrameView& frame, const protocol::Stop& message);
+  void handle(const FrameView& frame, const protocol::ClearFault& message);
+  void handle(const FrameView& frame, const protocol::ReadLog& message);
+  void refuse(const FrameView& frame, protocol::Refusal reason, std::int32_t detail = -1) {
+    link_.refuse(frame.sequence, frame.type, reason, detail);
+  }
+  void accept(const FrameView& frame) { link_.accept(frame.sequence, frame.type); }
+  bool refused_by_fault(const FrameView& frame);
+  bool refused_unless_homed(const FrameView& frame);
+  void reply_axis(const FrameView& frame, int axis);
+
+  Board* board_;
+  PersistentLog* log_;
+  Identity identity_;
+  OpticsOutputs outputs_;
+  Motion motion_;
+  Sequencer sequencer_;
+  Safety safety_;
+  Link link_;
+  bool session_open_ = false;
+  bool credit_due_ = false;
+  bool ticked_ = false;
+  std::uint64_t last_tick_us_ = 0;
+  std::uint64_t records_sent_at_us_ = 0;
+  std::uint64_t credit_sent_at_us_ = 0;
+  protocol::RowCredit told_credit_{};
+};
+
+static_assert(sizeof(Controller) <= ram_budget_bytes);
+
+}  // namespace umov::firmware

@@ -1,0 +1,114 @@
+// The emulated instrument in virtual time: what the controller's pins are wired to.
+//
+// Chain: laser (square-wave modulated by the reference output) → polariser → neutral-density wheel
+// → monitor pick-off → shutter → sample → detector arm with analyser → photodiode → switchable
+// amplifier → ADC. The amplifier passes the modulation only (its mean is removed), so that light
+// swings the ADC's code evenly about mid-scale 2048.
+//
+// Nominal signal (ideal preset): the fundamental of the modulated signal, referred to range 1, is
+//     X = C_λ · f · cos θr · ΔΩ · M,    Y = 0,
+// M the fundamental of the monitor signal; a mirror in the mirror direction gives X = C_λ · R · M
+// (P7).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "hil/plant/collection.hpp"
+#include "hil/plant/laser_power.hpp"
+#include "hil/plant/plant_config.hpp"
+#include "hil/plant/polarization.hpp"
+#include "hil/plant/sample.hpp"
+#include "hil/plant/stage.hpp"
+
+namespace umov::plant {
+
+/// Everything a Plant is made of.
+struct PlantSetup {
+  PlantConfig config = ideal_config();
+  std::array<AxisTravel, axis_count> travel = reference_travel();
+  std::shared_ptr<const Sample> sample;
+  std::uint64_t seed = 1;
+};
+
+/// Signal and monitor as the lock-in would see them without noise, volts referred to range 1.
+struct ExpectedSignal {
+  double x_v = 0.0, y_v = 0.0, monitor_v = 0.0;
+};
+
+/// Single-threaded. All randomness comes from the seed: the same calls give the same codes, and
+/// samples do not depend on how a stream is cut into blocks.
+class Plant {
+ public:
+  /// Throws umov::Error where no sample is given.
+  explicit Plant(PlantSetup setup);
+
+  // --- what the board drives; see boards/native/world.hpp for the same verbs ---
+
+  /// One step pulse; direction +1 or -1.
+  void step(int axis, int direction, double time_s);
+  AxisSwitches switches(int axis) const;
+  /// Laser enables 0..2. The open interlock cuts the light whatever is commanded.
+  void set_laser(int laser, bool on, double time_s);
+  void set_shutter(bool open, double time_s);
+  /// Amplifier range 0..3 = gain 1, 10, 100, 1000.
+  void set_gain(int range, double time_s);
+  bool interlock_closed() const { return interlock_closed_; }
+  /// Modulation: light is on while phase(n) = n · phase_step (mod 2^32) is below 2^31.
+  void set_reference(std::uint32_t phase_step);
+  /// Codes 0..4095 of samples first … first + n - 1 of the stream that began at `start_time_s`;
+  /// sample n is taken n / sample_rate_hz later, at modulation phase n · phase_step.
+  void sample(double start_time_s, double sample_rate_hz, std::uint64_t first,
+              std::span<std::uint16_t> signal, std::span<std::uint16_t> monitor);
+
+  // --- what a person at the instrument does ---
+
+  void set_interlock(bool closed) { interlock_closed_ = closed; }
+  void place_sample(std::shared_ptr<const Sample> sample);
+  void arrange(const Setup& setup);
+
+  // --- the truth, for tests and for sealed answers ---
+
+  const PlantConfig& config() const { return config_; }
+  const Sample& sample_on_stage() const { return *sample_; }
+  /// Angle of an axis at which the optics really stand, degrees.
+  double true_angle_deg(int axis) const;
+  /// Noise-free lock-in result of the present state at a moment, before the ADC (range errors
+  /// included, divided by the nominal gain).
+  ExpectedSignal expected(double time_s) const;
+
+ private:
+  struct Beams;
+
+  void geometry_changed();
+  const Throughput& throughput(int laser) const;
+  Stokes beam_behind_filter(int laser, double time_s) const;
+  Beams beams_at(double time_s) const;
+  double filter_transmittance() const;
+  double shutter_opening(double time_s) const;
+  double gain_at_adc() const;
+
+  PlantConfig config_;
+  std::vector<Stage> stages_;
+  std::shared_ptr<const Sample> sample_;
+  std::vector<LaserPower> power_;
+  std::uint64_t noise_seed_;
+  Setup setup_;
+
+  std::array<bool, laser_count> laser_on_{};
+  bool interlock_closed_ = true;
+  bool shutter_open_ = false;
+  double shutter_changed_s_ = -1e9;
+  int range_ = 0;
+  double range_changed_s_ = -1e9;
+  std::uint32_t phase_step_ = 0;
+
+  /// Filled on demand, emptied when the geometry changes.
+  mutable std::array<Throughput, laser_count> throughput_{};
+  mutable std::array<bool, laser_count> throughput_known_{};
+};
+
+}  // namespace umov::plant

@@ -1,0 +1,57 @@
+#include "hil/plant/waveform.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "hil/plant/noise.hpp"
+
+namespace umov::plant {
+namespace {
+
+constexpr double middle = 2048.0;
+constexpr std::uint32_t quarter_turn = 0x40000000u;
+
+inline bool high(std::uint32_t phase) {
+  return phase < 0x80000000u;
+}
+
+inline double level(const ChannelWave& wave, bool in_phase, bool quadrature) {
+  return wave.offset + (in_phase ? wave.in_phase : -wave.in_phase) +
+         (quadrature ? wave.quadrature : -wave.quadrature);
+}
+
+inline std::uint16_t to_code(double value) {
+  return static_cast<std::uint16_t>(std::clamp(value + (middle + 0.5), 0.0, 4095.0));
+}
+
+}  // namespace
+
+void synthesize(const ChannelWave& signal_wave, const ChannelWave& monitor_wave,
+                const NoiseKeys& keys, std::uint32_t phase_step, std::uint64_t first,
+                std::span<std::uint16_t> signal, std::span<std::uint16_t> monitor) {
+  const GaussianTable& normal = GaussianTable::instance();
+  const bool light_noise = keys.light_rms != 0.0;
+  for (std::size_t i = 0; i < signal.size(); ++i) {
+    const std::uint64_t n = first + i;
+    const auto phase = static_cast<std::uint32_t>(n * phase_step);
+    const bool lit = high(phase);
+    const bool ahead = high(phase + quarter_turn);
+    const std::uint64_t bits = random_bits(keys.electronics, n);
+    double s =
+        level(signal_wave, lit, ahead) + (lit ? signal_wave.noise_lit : signal_wave.noise_dark) *
+                                             normal(static_cast<std::uint32_t>(bits));
+    double m =
+        level(monitor_wave, lit, ahead) + (lit ? monitor_wave.noise_lit : monitor_wave.noise_dark) *
+                                              normal(static_cast<std::uint32_t>(bits >> 32));
+    if (light_noise && lit) {
+      const double relative =
+          keys.light_rms * normal(static_cast<std::uint32_t>(random_bits(keys.light, n)));
+      s += signal_wave.light * relative;
+      m += monitor_wave.light * relative;
+    }
+    signal[i] = to_code(s);
+    monitor[i] = to_code(m);
+  }
+}
+
+}  // namespace umov::plant

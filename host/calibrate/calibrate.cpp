@@ -1,0 +1,289 @@
+// From scans of white standards to a Calibration.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "host/calibrate/calibration.hpp"
+#include "host/calibrate/reduce.hpp"
+#include "host/calibrate/standard_fit.hpp"
+#include "host/errors/error.hpp"
+#include "host/optics/angles.hpp"
+
+namespace umov::calibrate {
+
+namespace {
+
+constexpr double degree = optics::radians(1.0);
+/// Records this many standard deviations off the richest model are left out (speckle, a reflection).
+constexpr double reject_at = 5.0;
+
+double cos_twice(double axis_deg) {
+  return formats::is_open(axis_deg) ? 0.0 : std::cos(2.0 * axis_deg * degree);
+}
+
+/// The standard scan with everything derived from it once.
+struct Prepared {
+  const StandardScan* standard;
+  ScanRows set_up;
+  NoiseModel noise;
+  Dark dark;
+  std::vector<LockinPhase> phases;
+  RangeErrors ranges;
+  double solid_angle_sr;
+  double theta_i_deg = 0;  ///< incidence used where the standard is not tabulated
+};
+
+/// Q/I of light that leaves the standard, from its own table; 0 for a depolarising one.
+double polarisation(const ReferenceStandard& reference, const formats::ScanTable& scan,
+                    std::size_t i) {
+  if (!reference.polarised()) return 0;
+  const auto behind = [&](double analyzer) {
+    return reference.brdf(scan.theta_i_deg[i], scan.theta_r_deg[i], scan.phi_r_deg[i],
+                          scan.wavelength_nm[i], scan.polarizer_deg[i], analyzer);
+  };
+  const auto s = behind(90.0), p = behind(0.0);
+  return s && p && *s + *p > 0 ? (*s - *p) / (*s + *p) : 0.0;
+}
+
+std::vector<StandardRow> rows_of(const Prepared& input, double wavelength, double phase_rad) {
+  const formats::ScanTable& scan = input.standard->scan;
+  const ReferenceStandard& reference = input.standard->reference;
+  std::vector<StandardRow> rows;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (input.set_up.row[i] != RowUse::plain || scan.saturated[i] != 0) continue;
+    if (std::abs(scan.wavelength_nm[i] - wavelength) >= 0.5) continue;
+    if (!reference.tabulated() && std::abs(std::abs(scan.theta_i_deg[i]) - input.theta_i_deg) > 0.05)
+      continue;
+    const double cosine = std::cos(scan.theta_r_deg[i] * degree);
+    if (!(cosine > 1e-3) || !(scan.monitor_v[i] > 0)) continue;
+    const auto f = reference.brdf(scan.theta_i_deg[i], scan.theta_r_deg[i], scan.phi_r_deg[i],
+                                  wavelength, scan.polarizer_deg[i], scan.analyzer_deg[i]);
+    if (!f || !(*f > 0)) continue;
+    const DarkLevel dark = input.dark.at(scan.gain[i]);
+    const double true_part = 1.0 + input.ranges.at(scan.gain[i]).error;
+    StandardRow row;
+    row.signal_v = ((scan.x_v[i] - dark.x_v) * std::cos(phase_rad) +
+                    (scan.y_v[i] - dark.y_v) * std::sin(phase_rad)) /
+                   true_part;
+    row.variance = input.noise.variance_normalised(wavelength, scan.gain[i], scan.x_v[i]) /
+                   (true_part * true_part);
+    row.base = *f * cosine * input.solid_angle_sr * scan.monitor_v[i];
+    row.theta_r_deg = scan.theta_r_deg[i];
+    row.gain = scan.gain[i];
+    row.bias_lever = formats::is_open(scan.analyzer_deg[i]) ? polarisation(reference, scan, i)
+                                                            : -cos_twice(scan.analyzer_deg[i]);
+    row.retention_lever =
+        reference.polarised() ? 0.0
+                              : cos_twice(scan.polarizer_deg[i]) * cos_twice(scan.analyzer_deg[i]);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+bool varies(const std::vector<StandardRow>& rows, double StandardRow::*lever) {
+  return std::any_of(rows.begin(), rows.end(), [&](const StandardRow& row) {
+    return std::abs(row.*lever - rows.front().*lever) > 1e-3;
+  });
+}
+
+StandardFit fit_wavelength(std::vector<StandardRow>& rows, const Prepared& input, double wavelength,
+                           const CalibrateOptions& options, WavelengthCalibration& entry,
+                           std::vector<std::string>& notes) {
+  if (rows.size() < 2)
+    throw Error(fmt::format("the white scan `{}` has {} usable records at {:g} nm",
+                            input.standard->name, rows.size(), wavelength),
+                "measure the standard unsaturated in plane, within the angles of its own table");
+  double low = 90, high = -90;
+  for (const StandardRow& row : rows) {
+    low = std::min(low, row.theta_r_deg);
+    high = std::max(high, row.theta_r_deg);
+  }
+  // One-sided scans say nothing of odd terms: the other side is taken as the mirror image.
+  const bool two_sided = low < -20 && high > 20;
+  StandardModel model;
+  model.reference_deg = options.reference_angle_deg;
+  const bool any_retention = std::any_of(rows.begin(), rows.end(), [](const StandardRow& row) {
+    return std::abs(row.retention_lever) > 1e-3;
+  });
+  if (any_retention) model.retention_u = input.standard->reference.retention_u();
+
+  // Rejection in rounds, as a far outlier drags the fit and widens its scatter; the median of the
+  // residuals does not follow a few of them.
+  const std::size_t all = rows.size();
+  StandardFit fit;
+  for (int round = 0; round < 6; ++round) {
+    fit = choose_instrument_function(rows, model, options.max_degree, two_sided);
+    std::vector<double> size;
+    for (double pull : fit.pull) size.push_back(std::abs(pull));
+    const auto middle = size.begin() + static_cast<std::ptrdiff_t>(size.size() / 2);
+    std::nth_element(size.begin(), middle, size.end());
+    const double scatter = std::max(1.0, *middle / 0.6745);
+    std::vector<StandardRow> kept;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      if (std::abs(fit.pull[i]) < reject_at * scatter) kept.push_back(rows[i]);
+    if (kept.size() == rows.size() || kept.size() < 2 || round == 5) break;
+    rows = std::move(kept);
+  }
+  entry.rejected = all - rows.size();
+
+  const bool can_bias = varies(rows, &StandardRow::bias_lever);
+  if (options.bias == CalibrateOptions::Bias::on && !can_bias)
+    throw Error("the detector's polarisation bias is asked for, but the white scan has one analyser state only",
+                "measure the standard with analyser P and S, best with both polariser states");
+  if (options.bias != CalibrateOptions::Bias::off && can_bias) {
+    model.bias = true;
+    StandardFit with = choose_instrument_function(rows, model, options.max_degree, two_sided);
+    const auto at = static_cast<Eigen::Index>(with.model.degrees.size()) + 1;
+    entry.detector_bias = with.parameters(at);
+    // A standard that polarises by itself looks the same as a biased detector.
+    const double polarization_u = input.standard->reference.polarization_u();
+    with.covariance(at, at) += polarization_u * polarization_u;
+    entry.detector_bias_u = std::sqrt(with.covariance(at, at));
+    entry.bias_active = options.bias == CalibrateOptions::Bias::on ||
+                        std::abs(entry.detector_bias) > 3.0 * entry.detector_bias_u;
+    if (entry.bias_active) fit = with;
+  }
+  entry.instrument_function.degrees = fit.model.degrees;
+  entry.instrument_function.reference_deg = model.reference_deg;
+  for (std::size_t k = 0; k < fit.model.degrees.size(); ++k)
+    entry.instrument_function.coefficients.push_back(
+        fit.parameters(static_cast<Eigen::Index>(k) + 1));
+  const double reach = std::max(std::abs(low), std::abs(high));
+  entry.instrument_function.min_deg = two_sided ? low : -reach;
+  entry.instrument_function.max_deg = two_sided ? high : reach;
+  if (!two_sided)
+    notes.push_back(fmt::format(
+        "{:g} nm: the standard was scanned on one side of the normal; IF is taken as symmetric",
+        wavelength));
+  if (any_retention && !varies(rows, &StandardRow::retention_lever))
+    notes.push_back(fmt::format(
+        "{:g} nm: one polarisation state only; the linear polarisation that the standard keeps "
+        "(0 +- {:g}) limits the gain: add states with crossed or open analyser",
+        wavelength, model.retention_u));
+  if (fit.dof > 20 && fit.chi2 / fit.dof > 1.5)
+    notes.push_back(fmt::format(
+        "{:g} nm: the standard's records scatter {:.1f} times their noise about the fit; the "
+        "uncertainty is widened by that",
+        wavelength, std::sqrt(fit.chi2 / fit.dof)));
+  return fit;
+}
+
+Prepared prepare(const StandardScan& standard, std::span<const formats::ScanTable> dark_scans,
+                 std::vector<std::string>& notes) {
+  Prepared input;
+  input.standard = &standard;
+  const formats::ScanTable& scan = standard.scan;
+  input.set_up = sort_rows(scan);
+  for (const std::string& note : input.set_up.notes)
+    notes.push_back(fmt::format("{}: {}", standard.name, note));
+  input.noise = fit_noise(scan);
+  input.dark = find_dark(scan, input.set_up, input.noise);
+  for (const formats::ScanTable& dark : dark_scans)
+    input.dark = merge(input.dark, find_dark_of_dark_scan(dark, fit_noise(dark)));
+  input.phases = find_phase(scan, input.set_up, input.noise, input.dark);
+  const auto solid_angle = scan.number("solid_angle_sr");
+  input.solid_angle_sr = solid_angle.value_or(1e-4);
+  if (!(input.solid_angle_sr > 0))
+    throw Error(fmt::format("key `solid_angle_sr` of `{}` is {:g}", standard.name,
+                            input.solid_angle_sr),
+                "give the detector's solid angle in sr, such as 1e-4");
+  if (!solid_angle)
+    notes.push_back(fmt::format(
+        "{}: no key `solid_angle_sr`; 1e-4 sr is taken (only its product with the gain counts)",
+        standard.name));
+  input.theta_i_deg = 90;
+  for (std::size_t i = 0; i < scan.size(); ++i)
+    if (input.set_up.row[i] == RowUse::plain)
+      input.theta_i_deg = std::min(input.theta_i_deg, std::abs(scan.theta_i_deg[i]));
+  if (!standard.reference.tabulated())
+    notes.push_back(fmt::format(
+        "{}: its reflectance alone is known, so it counts as Lambertian at incidence {:g} deg, with a "
+        "departure of relative amplitude {:g} in the uncertainty (key reference_shape_u; a table of its "
+        "BRDF, key reference_brdf, does away with it)",
+        standard.name, input.theta_i_deg, standard.reference.shape_u()));
+  return input;
+}
+
+void add_checks(std::span<const StandardScan> standards, std::size_t used, Calibration& calibration) {
+  for (std::size_t s = 0; s < standards.size(); ++s) {
+    ReduceOptions options;
+    options.dolp = false;
+    const Reduction reduction = reduce(standards[s].scan, calibration, options);
+    for (std::size_t k = 0; k < reduction.table.dhr.dhr.size(); ++k) {
+      StandardCheck check;
+      check.standard = standards[s].name;
+      check.wavelength_nm = reduction.table.dhr.wavelength_nm[k];
+      check.stated = standards[s].reference.dhr(check.wavelength_nm)
+                         .value_or(std::numeric_limits<double>::quiet_NaN());
+      check.computed = reduction.table.dhr.dhr[k];
+      check.computed_u = reduction.table.dhr.dhr_u[k];
+      check.used_for_gain = s == used;
+      calibration.checks.push_back(check);
+    }
+  }
+}
+
+}  // namespace
+
+Calibration calibrate(std::span<const StandardScan> standards,
+                      std::span<const formats::ScanTable> dark_scans,
+                      const CalibrateOptions& options) {
+  if (options.standard >= standards.size())
+    throw Error("no scan of a white standard is given",
+                "scan a white tile with `role = \"white\"` in the plan and give that file");
+  Calibration calibration;
+  const StandardScan& standard = standards[options.standard];
+  Prepared input = prepare(standard, dark_scans, calibration.notes);
+  const RangeInput range_input{&standard.scan, &input.set_up, &input.noise, &input.dark};
+  input.ranges = find_range_errors(std::span(&range_input, 1), options.range_tolerance);
+
+  calibration.solid_angle_sr = input.solid_angle_sr;
+  calibration.shape_u = standard.reference.shape_u();
+  calibration.dark = input.dark;
+  calibration.ranges = input.ranges;
+  for (const DarkLevel& level : input.dark.levels)
+    calibration.systematics.push_back({Systematic::Kind::dark, level.gain, {}});
+  for (const RangeError& range : input.ranges.ranges)
+    if (range.u > 0) calibration.systematics.push_back({Systematic::Kind::range, range.gain, {}});
+
+  for (double wavelength : wavelengths_of(standard.scan)) {
+    WavelengthCalibration entry;
+    entry.wavelength_nm = wavelength;
+    for (const LockinPhase& phase : input.phases)
+      if (std::abs(phase.wavelength_nm - wavelength) < 0.5) {
+        entry.phase_rad = phase.phase_rad;
+        entry.phase_u_rad = phase.u_rad;
+      }
+    std::vector<StandardRow> rows = rows_of(input, wavelength, entry.phase_rad);
+    const StandardFit fit = fit_wavelength(rows, input, wavelength, options, entry, calibration.notes);
+    entry.gain_constant_v = std::exp(fit.parameters(0));
+    const Eigen::Index kept = entry.parameters();
+    entry.covariance = fit.covariance.topLeftCorner(kept, kept);
+    entry.reference_relative_u = standard.reference.relative_u(wavelength);
+    entry.records = rows.size();
+    entry.chi2 = fit.chi2;
+    entry.dof = fit.dof;
+    for (Systematic& systematic : calibration.systematics) {
+      Eigen::VectorXd shift = Eigen::VectorXd::Zero(kept);
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (rows[i].gain != systematic.gain) continue;
+        const double change = systematic.kind == Systematic::Kind::dark
+                                  ? input.dark.at(systematic.gain).x_u
+                                  : input.ranges.at(systematic.gain).u * rows[i].signal_v;
+        shift -= change * fit.response.col(static_cast<Eigen::Index>(i)).head(kept);
+      }
+      systematic.shift.push_back(shift);
+    }
+    calibration.wavelengths.push_back(std::move(entry));
+  }
+  for (const StandardScan& s : standards)
+    calibration.inputs.push_back({s.name, "white", s.sha256});
+  calibration.keys.emplace_back("standard", standard.name);
+  if (const auto device = standard.scan.key("device")) calibration.keys.emplace_back("device", *device);
+  add_checks(standards, options.standard, calibration);
+  return calibration;
+}
+
+}  // namespace umov::calibrate

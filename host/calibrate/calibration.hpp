@@ -1,0 +1,112 @@
+// What a calibration knows of the instrument, with covariance: gain per wavelength, instrument
+// function, lock-in phase, dark signal, amplifier ranges.
+//
+// Signal of a record: X cos φ + Y sin φ = dark + (1 + e_g) C f cosθr ΔΩ monitor D / IF(θr), f the BRDF
+// seen by polariser and analyser, D = 1 - δ cos 2α behind an analyser at α, 1 + δ Q/I without one.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "host/calibrate/dark.hpp"
+#include "host/calibrate/gain_range.hpp"
+#include "host/calibrate/instrument_function.hpp"
+#include "host/calibrate/reference_standard.hpp"
+
+namespace umov::calibrate {
+
+/// Calibration at one wavelength. Parameters in the order ln C, coefficients of the instrument
+/// function, δ (only where `bias_active`).
+struct WavelengthCalibration {
+  double wavelength_nm = 0;
+  double gain_constant_v = 0;  ///< C
+  InstrumentFunction instrument_function;
+  double detector_bias = 0;  ///< δ: response to Stokes (1, δ, 0, 0), + favours s
+  double detector_bias_u = 0;
+  bool bias_active = false;  ///< δ is applied
+  Eigen::MatrixXd covariance;  ///< of the parameters, from the noise of the standard's scan
+  double phase_rad = 0, phase_u_rad = 0;
+  double reference_relative_u = 0;  ///< scale of the standard, shared by all wavelengths
+  std::size_t records = 0, rejected = 0;
+  double chi2 = 0;
+  double dof = 0;
+
+  Eigen::Index parameters() const {
+    return 1 + static_cast<Eigen::Index>(instrument_function.degrees.size()) + (bias_active ? 1 : 0);
+  }
+};
+
+/// A calibration quantity that points share beyond the gain's own statistics: shift of each
+/// wavelength's parameters for one standard deviation.
+struct Systematic {
+  enum class Kind { dark, range };
+  Kind kind;
+  double gain = 1;                     ///< amplifier range concerned
+  std::vector<Eigen::VectorXd> shift;  ///< per wavelength, in the order of its parameters
+};
+
+/// Reflectance of a standard: stated, and computed from its scan with this calibration.
+struct StandardCheck {
+  std::string standard;
+  double wavelength_nm = 0;
+  double stated = 0;  ///< NaN where unknown
+  double computed = 0, computed_u = 0;
+  bool used_for_gain = false;
+};
+
+struct CalibrationInput {
+  std::string name, role, sha256;
+};
+
+struct Calibration {
+  double solid_angle_sr = 1e-4;  ///< ΔΩ that C belongs to
+  double shape_u = 0;            ///< amplitude of ReferenceStandard::shape, one sigma
+  std::vector<WavelengthCalibration> wavelengths;
+  Dark dark;
+  RangeErrors ranges;
+  std::vector<Systematic> systematics;
+  std::vector<StandardCheck> checks;
+  std::vector<CalibrationInput> inputs;
+  std::vector<std::string> notes;
+  std::vector<std::pair<std::string, std::string>> keys;  ///< device, standard, …
+
+  /// Entry within 0.5 nm; throws umov::Error with the wavelengths known.
+  const WavelengthCalibration& at(double wavelength_nm) const;
+  std::size_t index_of(double wavelength_nm) const;
+};
+
+/// A scan of a white standard with what is known of it.
+struct StandardScan {
+  formats::ScanTable scan;
+  ReferenceStandard reference;
+  std::string name, sha256;
+};
+
+struct CalibrateOptions {
+  std::size_t standard = 0;  ///< number of the standard that fixes gain and instrument function
+  int max_degree = 8;        ///< of the instrument function; 0 = IF is one
+  double reference_angle_deg = 0;
+  enum class Bias { automatic, on, off } bias = Bias::automatic;  ///< automatic: where |δ| > 3 u
+  double range_tolerance = 1e-3;
+};
+
+/// Calibrates from white standards (one at least) and, optionally, scans with the beam closed.
+/// Throws umov::Error where a scan has no usable record, lacks keys, or differs in wavelengths.
+Calibration calibrate(std::span<const StandardScan> standards,
+                      std::span<const formats::ScanTable> dark_scans = {},
+                      const CalibrateOptions& options = {});
+
+/// Calibration from the header keys `gain_constant_<nm>`, `solid_angle_sr` and
+/// `gain_constant_relative_u` (default .01) of a scan; IF is one. Throws umov::Error where a key is
+/// missing.
+Calibration calibration_from_header(const formats::ScanTable& scan);
+
+/// Distinct wavelengths of a scan, ascending.
+std::vector<double> wavelengths_of(const formats::ScanTable& scan);
+
+}  // namespace umov::calibrate

@@ -1,0 +1,325 @@
+#include "host/calibrate/calibration_file.hpp"
+
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "host/errors/error.hpp"
+#include "host/formats/atomic_file.hpp"
+#include "host/formats/content_hash.hpp"
+#include "host/formats/h5_header.hpp"
+#include "host/formats/hdf5_image.hpp"
+#include "host/optics/angles.hpp"
+
+namespace umov::calibrate {
+
+namespace {
+
+constexpr const char* format_name = "umov cal h5";
+
+/// A calibration as plain columns: one list for the writer, the reader and the checksum.
+struct Column {
+  std::vector<double> values;
+  std::string unit;
+};
+
+struct Flat {
+  std::map<std::string, Column> numbers;
+  std::map<std::string, std::vector<std::string>> texts;
+
+  void number(const std::string& path, double value, const std::string& unit) {
+    numbers[path].values.push_back(value);
+    numbers[path].unit = unit;
+  }
+  void text(const std::string& path, const std::string& value) { texts[path].push_back(value); }
+  /// A column that may have no entry.
+  void declare(const std::string& path, const std::string& unit) { numbers[path].unit = unit; }
+  void declare_text(const std::string& path) { texts[path]; }
+};
+
+std::string per_wavelength(const std::string& path, const WavelengthCalibration& entry) {
+  return fmt::format("{}_{:g}", path, entry.wavelength_nm);
+}
+
+std::string kind_name(Systematic::Kind kind) {
+  return kind == Systematic::Kind::dark ? "dark" : "range";
+}
+
+void flatten_wavelength(const WavelengthCalibration& entry, Flat& flat) {
+  const std::string base = "/wavelengths/";
+  flat.number(base + "wavelength_nm", entry.wavelength_nm, "nm");
+  flat.number(base + "gain_constant_v", entry.gain_constant_v, "V");
+  flat.number(base + "gain_constant_relative_u", std::sqrt(entry.covariance(0, 0)), "1");
+  flat.number(base + "reference_relative_u", entry.reference_relative_u, "1");
+  flat.number(base + "detector_bias", entry.detector_bias, "1");
+  flat.number(base + "detector_bias_u", entry.detector_bias_u, "1");
+  flat.number(base + "detector_bias_active", entry.bias_active ? 1 : 0, "1");
+  flat.number(base + "phase_deg", optics::degrees(entry.phase_rad), "deg");
+  flat.number(base + "phase_u_deg", optics::degrees(entry.phase_u_rad), "deg");
+  flat.number(base + "records", static_cast<double>(entry.records), "1");
+  flat.number(base + "rejected", static_cast<double>(entry.rejected), "1");
+  flat.number(base + "chi2", entry.chi2, "1");
+  flat.number(base + "degrees_of_freedom", entry.dof, "1");
+  const InstrumentFunction& f = entry.instrument_function;
+  const std::string group = "/instrument_function/";
+  flat.number(group + "reference_deg", f.reference_deg, "deg");
+  flat.number(group + "min_deg", f.min_deg, "deg");
+  flat.number(group + "max_deg", f.max_deg, "deg");
+  const std::string degrees = per_wavelength(group + "degrees", entry);
+  const std::string coefficients = per_wavelength(group + "coefficients", entry);
+  flat.declare(degrees, "1");
+  flat.declare(coefficients, "1");
+  for (std::size_t k = 0; k < f.degrees.size(); ++k) {
+    flat.number(degrees, f.degrees[k], "1");
+    flat.number(coefficients, f.coefficients[k], "1");
+  }
+  const std::string covariance = per_wavelength("/covariance/nm", entry);
+  for (Eigen::Index r = 0; r < entry.covariance.rows(); ++r)
+    for (Eigen::Index c = 0; c < entry.covariance.cols(); ++c)
+      flat.number(covariance, entry.covariance(r, c), "1");
+}
+
+Flat flatten(const Calibration& calibration) {
+  Flat flat;
+  flat.number("/instrument/solid_angle_sr", calibration.solid_angle_sr, "sr");
+  flat.number("/instrument/reference_shape_u", calibration.shape_u, "1");
+  flat.number("/instrument/range_tolerance", calibration.ranges.tolerance, "1");
+  for (const char* name : {"gain", "records"}) flat.declare(fmt::format("/dark/{}", name), "1");
+  for (const char* name : {"x_v", "x_u_v", "y_v", "y_u_v"})
+    flat.declare(fmt::format("/dark/{}", name), "V");
+  for (const DarkLevel& level : calibration.dark.levels) {
+    flat.number("/dark/gain", level.gain, "1");
+    flat.number("/dark/x_v", level.x_v, "V");
+    flat.number("/dark/x_u_v", level.x_u, "V");
+    flat.number("/dark/y_v", level.y_v, "V");
+    flat.number("/dark/y_u_v", level.y_u, "V");
+    flat.number("/dark/records", static_cast<double>(level.records), "1");
+  }
+  for (const char* name : {"gain", "error", "u", "measured"})
+    flat.declare(fmt::format("/ranges/{}", name), "1");
+  for (const RangeError& range : calibration.ranges.ranges) {
+    flat.number("/ranges/gain", range.gain, "1");
+    flat.number("/ranges/error", range.error, "1");
+    flat.number("/ranges/u", range.u, "1");
+    flat.number("/ranges/measured", range.measured ? 1 : 0, "1");
+  }
+  flat.declare_text("/systematics/kind");
+  flat.declare("/systematics/gain", "1");
+  for (const WavelengthCalibration& entry : calibration.wavelengths) {
+    flatten_wavelength(entry, flat);
+    flat.declare(per_wavelength("/systematics/shift", entry), "1");
+  }
+  for (const Systematic& systematic : calibration.systematics) {
+    flat.text("/systematics/kind", kind_name(systematic.kind));
+    flat.number("/systematics/gain", systematic.gain, "1");
+    for (std::size_t w = 0; w < calibration.wavelengths.size(); ++w)
+      for (Eigen::Index k = 0; k < systematic.shift[w].size(); ++k)
+        flat.number(per_wavelength("/systematics/shift", calibration.wavelengths[w]),
+                    systematic.shift[w](k), "1");
+  }
+  flat.declare_text("/checks/standard");
+  for (const char* name : {"wavelength_nm", "stated", "computed", "computed_u", "used_for_gain"})
+    flat.declare(fmt::format("/checks/{}", name), "1");
+  for (const StandardCheck& check : calibration.checks) {
+    flat.text("/checks/standard", check.standard);
+    flat.number("/checks/wavelength_nm", check.wavelength_nm, "nm");
+    flat.number("/checks/stated", check.stated, "1");
+    flat.number("/checks/computed", check.computed, "1");
+    flat.number("/checks/computed_u", check.computed_u, "1");
+    flat.number("/checks/used_for_gain", check.used_for_gain ? 1 : 0, "1");
+  }
+  for (const char* name : {"name", "role", "sha256"}) flat.declare_text(fmt::format("/inputs/{}", name));
+  for (const CalibrationInput& input : calibration.inputs) {
+    flat.text("/inputs/name", input.name);
+    flat.text("/inputs/role", input.role);
+    flat.text("/inputs/sha256", input.sha256);
+  }
+  flat.declare_text("/notes/text");
+  for (const std::string& note : calibration.notes) flat.text("/notes/text", note);
+  return flat;
+}
+
+std::string checksum(const Flat& flat, const formats::Keys& keys) {
+  formats::ContentHash hash;
+  hash.text(format_name);
+  hash.pairs("header", keys);
+  for (const auto& [path, column] : flat.numbers) hash.column(path, column.values);
+  for (const auto& [path, lines] : flat.texts) {
+    hash.text(path);
+    for (const std::string& line : lines) hash.text(line);
+  }
+  return hash.hex_digest();
+}
+
+/// Columns of one group, all of one length.
+class Group {
+ public:
+  Group(const formats::Hdf5Reader& file, std::string path) : file_(file), path_(std::move(path)) {}
+  std::vector<double> numbers(const std::string& name) { return checked(name, file_.doubles(path_ + name)); }
+  std::vector<std::string> texts(const std::string& name) { return checked(name, file_.texts(path_ + name)); }
+  std::size_t size() const { return first_ ? 0 : size_; }
+
+ private:
+  template <class T>
+  std::vector<T> checked(const std::string& name, std::vector<T> values) {
+    if (!first_ && values.size() != size_)
+      file_.fail(path_ + name, fmt::format("has {} entries, not {}", values.size(), size_));
+    first_ = false;
+    size_ = values.size();
+    return values;
+  }
+  const formats::Hdf5Reader& file_;
+  std::string path_;
+  bool first_ = true;
+  std::size_t size_ = 0;
+};
+
+void read_wavelengths(const formats::Hdf5Reader& file, Calibration& calibration) {
+  Group group(file, "/wavelengths/");
+  const auto wavelength = group.numbers("wavelength_nm"), gain = group.numbers("gain_constant_v"),
+             reference_u = group.numbers("reference_relative_u"),
+             bias = group.numbers("detector_bias"), bias_u = group.numbers("detector_bias_u"),
+             active = group.numbers("detector_bias_active"), phase = group.numbers("phase_deg"),
+             phase_u = group.numbers("phase_u_deg"), records = group.numbers("records"),
+             rejected = group.numbers("rejected"), chi2 = group.numbers("chi2"),
+             dof = group.numbers("degrees_of_freedom");
+  Group function(file, "/instrument_function/");
+  const auto reference = function.numbers("reference_deg"), low = function.numbers("min_deg"),
+             high = function.numbers("max_deg");
+  if (function.size() != group.size())
+    file.fail("/instrument_function", "has another number of wavelengths than /wavelengths");
+  for (std::size_t w = 0; w < wavelength.size(); ++w) {
+    WavelengthCalibration entry;
+    entry.wavelength_nm = wavelength[w];
+    entry.gain_constant_v = gain[w];
+    if (!(gain[w] > 0)) file.fail("/wavelengths/gain_constant_v", "is not positive");
+    entry.reference_relative_u = reference_u[w];
+    entry.detector_bias = bias[w];
+    entry.detector_bias_u = bias_u[w];
+    entry.bias_active = active[w] != 0;
+    entry.phase_rad = optics::radians(phase[w]);
+    entry.phase_u_rad = optics::radians(phase_u[w]);
+    entry.records = static_cast<std::size_t>(records[w]);
+    entry.rejected = static_cast<std::size_t>(rejected[w]);
+    entry.chi2 = chi2[w];
+    entry.dof = dof[w];
+    entry.instrument_function.reference_deg = reference[w];
+    entry.instrument_function.min_deg = low[w];
+    entry.instrument_function.max_deg = high[w];
+    const auto degrees = file.doubles(per_wavelength("/instrument_function/degrees", entry));
+    entry.instrument_function.coefficients =
+        file.doubles(per_wavelength("/instrument_function/coefficients", entry));
+    if (degrees.size() != entry.instrument_function.coefficients.size())
+      file.fail("/instrument_function", "has degrees and coefficients of different number");
+    for (double degree : degrees)
+      entry.instrument_function.degrees.push_back(static_cast<int>(std::lround(degree)));
+    const std::string path = per_wavelength("/covariance/nm", entry);
+    std::size_t rows = 0, columns = 0;
+    const auto covariance = file.matrix(path, rows, columns);
+    const auto expected = static_cast<std::size_t>(entry.parameters());
+    if (rows != expected || columns != expected)
+      file.fail(path, fmt::format("is {} x {}, not {} x {}", rows, columns, expected, expected));
+    entry.covariance = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+        covariance.data(), entry.parameters(), entry.parameters());
+    calibration.wavelengths.push_back(std::move(entry));
+  }
+}
+
+void read_ranges(const formats::Hdf5Reader& file, Calibration& calibration) {
+  Group dark(file, "/dark/");
+  const auto gain = dark.numbers("gain"), x = dark.numbers("x_v"), x_u = dark.numbers("x_u_v"),
+             y = dark.numbers("y_v"), y_u = dark.numbers("y_u_v"), records = dark.numbers("records");
+  for (std::size_t k = 0; k < gain.size(); ++k)
+    calibration.dark.levels.push_back(
+        {gain[k], x[k], x_u[k], y[k], y_u[k], static_cast<std::size_t>(records[k])});
+  Group ranges(file, "/ranges/");
+  const auto range = ranges.numbers("gain"), error = ranges.numbers("error"),
+             u = ranges.numbers("u"), measured = ranges.numbers("measured");
+  for (std::size_t k = 0; k < range.size(); ++k)
+    calibration.ranges.ranges.push_back({range[k], error[k], u[k], measured[k] != 0});
+
+  Group systematics(file, "/systematics/");
+  const auto kind = systematics.texts("kind");
+  const auto concerned = systematics.numbers("gain");
+  std::vector<std::vector<double>> shift;
+  for (const WavelengthCalibration& entry : calibration.wavelengths) {
+    shift.push_back(file.doubles(per_wavelength("/systematics/shift", entry)));
+    if (shift.back().size() != kind.size() * static_cast<std::size_t>(entry.parameters()))
+      file.fail("/systematics", "has a shift of the wrong length");
+  }
+  for (std::size_t k = 0; k < kind.size(); ++k) {
+    Systematic systematic;
+    if (kind[k] != "dark" && kind[k] != "range") file.fail("/systematics/kind", "is unknown: " + kind[k]);
+    systematic.kind = kind[k] == "dark" ? Systematic::Kind::dark : Systematic::Kind::range;
+    systematic.gain = concerned[k];
+    for (std::size_t w = 0; w < shift.size(); ++w) {
+      const Eigen::Index m = calibration.wavelengths[w].parameters();
+      systematic.shift.emplace_back(Eigen::Map<const Eigen::VectorXd>(
+          shift[w].data() + static_cast<std::ptrdiff_t>(k) * m, m));
+    }
+    calibration.systematics.push_back(std::move(systematic));
+  }
+}
+
+}  // namespace
+
+void write_calibration(const std::filesystem::path& path, const Calibration& calibration,
+                       const formats::Provenance& provenance) {
+  const Flat flat = flatten(calibration);
+  formats::check_storable(calibration.keys, path.string());
+  formats::Hdf5Builder file(path.string());
+  formats::write_h5_header(file, format_name, calibration.keys, provenance,
+                           checksum(flat, calibration.keys));
+  std::set<std::string> groups;
+  for (const auto& [name, column] : flat.numbers) groups.insert(name.substr(0, name.find('/', 1)));
+  for (const auto& [name, lines] : flat.texts) groups.insert(name.substr(0, name.find('/', 1)));
+  for (const std::string& group : groups) file.group(group);
+  for (const auto& [name, column] : flat.numbers) {
+    if (name.starts_with("/covariance/")) {
+      const auto side = static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(column.values.size()))));
+      file.matrix(name, column.values, side, side, column.unit);
+    } else {
+      file.column(name, column.values, column.unit);
+    }
+  }
+  for (const auto& [name, lines] : flat.texts) file.column(name, lines);
+  formats::replace_file(path, file.finish());
+}
+
+Calibration read_calibration(const std::filesystem::path& path) {
+  const std::string bytes = formats::read_whole_file(path);
+  if (!formats::looks_like_hdf5(bytes))
+    throw Error(Place{path.string()}, "is no calibration file", "give a file made by `umov calibrate`");
+  const formats::Hdf5Reader file(bytes, path.string());
+  Calibration calibration;
+  formats::read_h5_header(file, format_name, calibration.keys);
+  const auto one = [&file](const std::string& name) {
+    const auto values = file.doubles(name);
+    if (values.size() != 1) file.fail(name, "has not one entry");
+    return values.front();
+  };
+  calibration.solid_angle_sr = one("/instrument/solid_angle_sr");
+  calibration.shape_u = one("/instrument/reference_shape_u");
+  calibration.ranges.tolerance = one("/instrument/range_tolerance");
+  read_wavelengths(file, calibration);
+  read_ranges(file, calibration);
+  Group checks(file, "/checks/");
+  const auto standard = checks.texts("standard");
+  const auto wavelength = checks.numbers("wavelength_nm"), stated = checks.numbers("stated"),
+             computed = checks.numbers("computed"), computed_u = checks.numbers("computed_u"),
+             used = checks.numbers("used_for_gain");
+  for (std::size_t k = 0; k < standard.size(); ++k)
+    calibration.checks.push_back(
+        {standard[k], wavelength[k], stated[k], computed[k], computed_u[k], used[k] != 0});
+  Group inputs(file, "/inputs/");
+  const auto name = inputs.texts("name"), role = inputs.texts("role"), sha256 = inputs.texts("sha256");
+  for (std::size_t k = 0; k < name.size(); ++k)
+    calibration.inputs.push_back({name[k], role[k], sha256[k]});
+  calibration.notes = file.texts("/notes/text");
+  formats::verify_h5_content(file, checksum(flatten(calibration), calibration.keys));
+  return calibration;
+}
+
+}  // namespace umov::calibrate

@@ -1,0 +1,37 @@
+// True ratio of the amplifier ranges to their nominal values, from signals measured in two ranges.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "host/calibrate/dark.hpp"
+
+namespace umov::calibrate {
+
+/// A range's relative error: recorded volts = true volts (1 + error). The lowest range is exact.
+struct RangeError {
+  double gain = 1;
+  double error = 0, u = 0;
+  bool measured = false;  ///< false: nominal, `u` is the tolerance assumed
+};
+
+struct RangeErrors {
+  std::vector<RangeError> ranges;  ///< ascending range
+  double tolerance = 1e-3;         ///< relative, one sigma, of a range that was not measured
+  RangeError at(double gain) const;
+};
+
+/// One scan with what is needed to compare its records.
+struct RangeInput {
+  const formats::ScanTable* scan;
+  const ScanRows* set_up;
+  const NoiseModel* noise;
+  const Dark* dark;
+};
+
+/// Compares records of equal geometry, states and wavelength that were taken in different ranges.
+/// Ranges without overlap keep error 0 and the uncertainty `tolerance` (relative, one sigma).
+RangeErrors find_range_errors(std::span<const RangeInput> inputs, double tolerance = 1e-3);
+
+}  // namespace umov::calibrate

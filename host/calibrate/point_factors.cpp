@@ -1,0 +1,129 @@
+#include "host/calibrate/point_factors.hpp"
+
+#include <cmath>
+#include <set>
+#include <string>
+
+#include <Eigen/Dense>
+#include <fmt/format.h>
+
+namespace umov::calibrate {
+
+namespace {
+
+using Factor = formats::BrdfTable::Factor;
+
+class Collector {
+ public:
+  Collector(const formats::BrdfTable::Points& points, const std::vector<PointOrigin>& origin,
+            const Calibration& calibration)
+      : points_(points), origin_(origin), calibration_(calibration) {}
+
+  /// d ln f for a shift of the parameters of the point's wavelength.
+  double log_shift(std::size_t i, const Eigen::VectorXd& shift) const {
+    const WavelengthCalibration& entry = calibration_.wavelengths[origin_[i].wavelength];
+    const auto& function = entry.instrument_function;
+    const auto count = static_cast<Eigen::Index>(function.degrees.size());
+    double sum = -shift(0);
+    if (count > 0) sum -= function.basis(points_.theta_r_deg[i]).dot(shift.segment(1, count));
+    if (entry.bias_active) {
+      const double lever = origin_[i].bias_lever;
+      sum -= lever / (1.0 + entry.detector_bias * lever) * shift(count + 1);
+    }
+    return sum;
+  }
+
+  template <class Shift>
+  void add(std::string name, Shift&& shift_of_point) {
+    Factor factor{std::move(name), std::vector<double>(points_.size(), 0.0)};
+    double visible = 0;  // chi-square of one standard deviation over all points
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      factor.per_point[i] = shift_of_point(i);
+      const double u = points_.brdf_u[i];
+      visible += u > 0 ? factor.per_point[i] * factor.per_point[i] / (u * u) : 0.0;
+    }
+    if (visible >= 0.003) factors.push_back(std::move(factor));
+  }
+
+  std::vector<Factor> factors;
+
+ private:
+  const formats::BrdfTable::Points& points_;
+  const std::vector<PointOrigin>& origin_;
+  const Calibration& calibration_;
+};
+
+std::string statistics_name(const WavelengthCalibration& entry, Eigen::Index column) {
+  if (column == 0) return fmt::format("gain {:g} nm", entry.wavelength_nm);
+  if (column <= static_cast<Eigen::Index>(entry.instrument_function.degrees.size()))
+    return fmt::format("instrument function {:g} nm {}", entry.wavelength_nm, column);
+  return fmt::format("detector bias {:g} nm", entry.wavelength_nm);
+}
+
+}  // namespace
+
+std::vector<Factor> point_factors(const formats::BrdfTable::Points& points,
+                                  const std::vector<PointOrigin>& origin,
+                                  const Calibration& calibration, const Dark& scan_dark) {
+  Collector collector(points, origin, calibration);
+
+  // Statistics of the standard's scan: columns of a Cholesky factor of each covariance.
+  for (std::size_t w = 0; w < calibration.wavelengths.size(); ++w) {
+    const WavelengthCalibration& entry = calibration.wavelengths[w];
+    const Eigen::MatrixXd lower = Eigen::LLT<Eigen::MatrixXd>(entry.covariance).matrixL();
+    for (Eigen::Index k = 0; k < lower.cols(); ++k) {
+      const Eigen::VectorXd shift = lower.col(k);
+      collector.add(statistics_name(entry, k), [&](std::size_t i) {
+        return origin[i].wavelength == w ? points.brdf_per_sr[i] * collector.log_shift(i, shift) : 0.0;
+      });
+    }
+    if (entry.bias_active)
+      collector.add(fmt::format("detector bias of open analyser {:g} nm", entry.wavelength_nm),
+                    [&](std::size_t i) {
+                      return origin[i].wavelength == w
+                                 ? -points.brdf_per_sr[i] * entry.detector_bias * origin[i].open_bias
+                                 : 0.0;
+                    });
+  }
+
+  collector.add("reference standard", [&](std::size_t i) {
+    return points.brdf_per_sr[i] *
+           calibration.wavelengths[origin[i].wavelength].reference_relative_u;
+  });
+  collector.add("reference shape", [&](std::size_t i) {
+    return points.brdf_per_sr[i] * calibration.shape_u *
+           ReferenceStandard::shape(points.theta_r_deg[i]);
+  });
+
+  // Dark and ranges act on the standard (through the parameters) and on the point itself.
+  std::set<double> gains;
+  for (const PointOrigin& o : origin) gains.insert(o.gain);
+  const auto through_standard = [&](Systematic::Kind kind, double gain, std::size_t i) {
+    for (const Systematic& s : calibration.systematics)
+      if (s.kind == kind && s.gain == gain)
+        return points.brdf_per_sr[i] * collector.log_shift(i, s.shift[origin[i].wavelength]);
+    return 0.0;
+  };
+  for (const Systematic& s : calibration.systematics) gains.insert(s.gain);
+  for (double gain : gains) {
+    collector.add(fmt::format("dark range {:g}", gain), [&](std::size_t i) {
+      double shift = through_standard(Systematic::Kind::dark, gain, i);
+      if (origin[i].gain == gain && !origin[i].own_dark)
+        shift -= origin[i].per_volt * calibration.dark.at(gain).x_u;
+      return shift;
+    });
+    collector.add(fmt::format("scan dark range {:g}", gain), [&](std::size_t i) {
+      return origin[i].gain == gain && origin[i].own_dark
+                 ? -origin[i].per_volt * scan_dark.at(gain).x_u
+                 : 0.0;
+    });
+    collector.add(fmt::format("gain range {:g}", gain), [&](std::size_t i) {
+      double shift = through_standard(Systematic::Kind::range, gain, i);
+      if (origin[i].gain == gain) shift -= points.brdf_per_sr[i] * calibration.ranges.at(gain).u;
+      return shift;
+    });
+  }
+  return collector.factors;
+}
+
+}  // namespace umov::calibrate

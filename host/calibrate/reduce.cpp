@@ -1,0 +1,232 @@
+#include "host/calibrate/reduce.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "host/calibrate/dhr.hpp"
+#include "host/calibrate/dolp.hpp"
+#include "host/calibrate/point_factors.hpp"
+#include "host/errors/error.hpp"
+#include "host/optics/angles.hpp"
+
+namespace umov::calibrate {
+
+namespace {
+
+constexpr double degree = optics::radians(1.0);
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Dark of the scan itself where it has shutter-closed rows, else the calibration's. Where neither was
+/// measured, the scan's own estimate of the uncertainty stands.
+struct DarkChoice {
+  DarkLevel level;
+  bool own = false;
+};
+
+DarkChoice choose_dark(const Dark& own, const Dark& calibration, double gain) {
+  if (own.measured(gain)) return {own.at(gain), true};
+  if (calibration.measured(gain)) return {calibration.at(gain), false};
+  for (const DarkLevel& level : calibration.levels)
+    if (level.gain == gain) return {level, false};
+  return {own.at(gain), true};
+}
+
+/// Q/I of the reflected light at a geometry, from the scan's own P and S analyser records; where
+/// they are missing the response of the bare detector is not known better than δ.
+using Key = std::array<long long, 5>;
+
+Key key_of(const formats::ScanTable& scan, std::size_t i) {
+  const auto rounded = [](double v) { return std::isnan(v) ? -999999999LL : std::llround(v * 1e4); };
+  return {rounded(scan.theta_i_deg[i]), rounded(scan.theta_r_deg[i]), rounded(scan.phi_r_deg[i]),
+          rounded(scan.wavelength_nm[i]), rounded(scan.polarizer_deg[i])};
+}
+
+struct Analysed {
+  double s = 0, p = 0;
+};
+
+bool is_axis(double axis_deg, double wanted_deg) {
+  return !formats::is_open(axis_deg) &&
+         std::abs(std::remainder(axis_deg - wanted_deg, 180.0)) < 0.01;
+}
+
+std::map<Key, Analysed> analysed_signals(const formats::ScanTable& scan, const ScanRows& set_up,
+                                         const Calibration& calibration) {
+  std::map<Key, Analysed> result;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (set_up.row[i] != RowUse::plain || scan.saturated[i] != 0 || !(scan.monitor_v[i] > 0)) continue;
+    const double bias = calibration.at(scan.wavelength_nm[i]).detector_bias;
+    if (is_axis(scan.analyzer_deg[i], 90)) result[key_of(scan, i)].s = scan.x_v[i] / scan.monitor_v[i] / (1 + bias);
+    if (is_axis(scan.analyzer_deg[i], 0)) result[key_of(scan, i)].p = scan.x_v[i] / scan.monitor_v[i] / (1 - bias);
+  }
+  return result;
+}
+
+void check_scan(const formats::ScanTable& scan, const Calibration& calibration) {
+  if (scan.size() == 0) throw Error("the scan has no records", "give a scan with at least one record");
+  if (calibration.wavelengths.empty())
+    throw Error("the calibration is empty", "make it with `umov calibrate`");
+  for (double wavelength : wavelengths_of(scan)) calibration.at(wavelength);
+  if (const auto role = scan.key("role"); role && (*role == "dark" || *role == "mirror"))
+    throw Error(fmt::format("a scan of role `{}` has no BRDF", *role),
+                "reduce scans of role `sample` or `white`");
+}
+
+void summarise(const formats::BrdfTable& table, ReduceSummary& summary) {
+  std::vector<double> own, total;
+  for (std::size_t i = 0; i < table.points.size(); ++i) {
+    if (table.points.used[i] == 0) continue;
+    double variance = table.points.brdf_u[i] * table.points.brdf_u[i];
+    const double f = std::abs(table.points.brdf_per_sr[i]);
+    own.push_back(std::sqrt(variance) / f);
+    for (const auto& factor : table.factors) variance += factor.per_point[i] * factor.per_point[i];
+    total.push_back(std::sqrt(variance) / f);
+  }
+  summary.median_relative_u = median(own);
+  summary.median_relative_total_u = median(total);
+}
+
+}  // namespace
+
+Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
+                 const ReduceOptions& options) {
+  check_scan(scan, calibration);
+  Reduction result;
+  formats::BrdfTable& table = result.table;
+  ReduceSummary& summary = result.summary;
+  summary.records = scan.size();
+  const ScanRows set_up = sort_rows(scan);
+  summary.notes = set_up.notes;
+  const NoiseModel noise = fit_noise(scan);
+  const Dark own_dark = find_dark(scan, set_up, noise);
+  const double solid_angle = scan.number("solid_angle_sr").value_or(calibration.solid_angle_sr);
+  if (!(solid_angle > 0))
+    throw Error(fmt::format("key `solid_angle_sr` is {:g}", solid_angle), "give it in sr, such as 1e-4");
+
+  const bool any_bias =
+      std::any_of(calibration.wavelengths.begin(), calibration.wavelengths.end(),
+                  [](const WavelengthCalibration& w) { return w.bias_active; });
+  const auto analysed =
+      any_bias ? analysed_signals(scan, set_up, calibration) : std::map<Key, Analysed>{};
+
+  auto& points = table.points;
+  std::vector<PointOrigin> origin;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (set_up.row[i] != RowUse::plain) {
+      ++summary.excluded;
+      continue;
+    }
+    const double cosine = std::cos(scan.theta_r_deg[i] * degree);
+    if (!(cosine > 1e-6) || !(scan.monitor_v[i] > 0)) {
+      ++summary.excluded;
+      continue;
+    }
+    const double gain = scan.gain[i];
+    PointOrigin o;
+    o.wavelength = calibration.index_of(scan.wavelength_nm[i]);
+    o.gain = gain;
+    const WavelengthCalibration& entry = calibration.wavelengths[o.wavelength];
+    const DarkChoice dark = choose_dark(own_dark, calibration.dark, gain);
+    o.own_dark = dark.own;
+
+    if (formats::is_open(scan.analyzer_deg[i])) {
+      const auto found = analysed.find(key_of(scan, i));
+      if (found != analysed.end() && found->second.s > 0 && found->second.p > 0)
+        o.bias_lever = (found->second.s - found->second.p) / (found->second.s + found->second.p);
+      else
+        o.open_bias = 1.0 / std::sqrt(3.0);  // Q/I anywhere between -1 and 1
+    } else {
+      o.bias_lever = -std::cos(2.0 * scan.analyzer_deg[i] * degree);
+    }
+    const double response = entry.bias_active ? 1.0 + entry.detector_bias * o.bias_lever : 1.0;
+
+    const InstrumentFunction& function = entry.instrument_function;
+    const double theta_r = scan.theta_r_deg[i];
+    const bool covered = function.covers(theta_r);
+    const double correction = function.value(std::clamp(theta_r, function.min_deg, function.max_deg));
+
+    const double volts = (scan.x_v[i] - dark.level.x_v) * std::cos(entry.phase_rad) +
+                         (scan.y_v[i] - dark.level.y_v) * std::sin(entry.phase_rad);
+    o.per_volt = correction / (entry.gain_constant_v * solid_angle * scan.monitor_v[i] * cosine *
+                               response * (1.0 + calibration.ranges.at(gain).error));
+    const double f = volts * o.per_volt;
+    const double sd = std::sqrt(noise.variance_normalised(scan.wavelength_nm[i], gain, scan.x_v[i]));
+    const double u = sd * o.per_volt;
+
+    bool used = true;
+    if (scan.saturated[i] != 0) {
+      ++summary.saturated;
+      used = false;
+    }
+    if (!covered && !options.extrapolate_instrument_function) {
+      ++summary.outside_instrument_function;
+      used = false;
+    }
+    if (!(f > u)) {
+      ++summary.below_noise;
+      used = false;
+    }
+    points.theta_i_deg.push_back(scan.theta_i_deg[i]);
+    points.theta_r_deg.push_back(theta_r);
+    points.phi_r_deg.push_back(scan.phi_r_deg[i]);
+    points.wavelength_nm.push_back(scan.wavelength_nm[i]);
+    points.polarizer_deg.push_back(scan.polarizer_deg[i]);
+    points.analyzer_deg.push_back(scan.analyzer_deg[i]);
+    points.brdf_per_sr.push_back(f);
+    points.brdf_u.push_back(u);
+    points.used.push_back(used ? 1 : 0);
+    origin.push_back(o);
+  }
+  if (points.size() == 0)
+    throw Error("no record of the scan was taken with the plain set-up",
+                "give a scan with rows outside of the blocks that change the set-up");
+  summary.points = points.size();
+  table.factors = point_factors(points, origin, calibration, own_dark);
+  table.keys = scan.keys;
+  for (const auto& [name, value] : calibration.keys)
+    table.keys.emplace_back("calibration_" + name, value);
+
+  if (options.dolp) {
+    const DolpCount count = add_dolp(table);
+    summary.dolp = table.dolp.dolp.size();
+    summary.dolp_skipped = count.skipped;
+    if (count.measured + count.summed > 0)
+      table.keys.emplace_back("dolp_denominator", count.summed == 0     ? "measured PU"
+                                                  : count.measured == 0 ? "PP + PS"
+                                                                        : "measured PU, else PP + PS");
+    if (count.summed > 0)
+      summary.notes.push_back(fmt::format(
+          "{} of {} DOLP values are divided by PP + PS, as PU was not measured there", count.summed,
+          count.summed + count.measured));
+  }
+  if (options.dhr) {
+    DhrOptions dhr_options;
+    dhr_options.normal_incidence_within_deg = options.normal_incidence_within_deg;
+    for (const DhrDetail& detail : add_dhr(table, dhr_options)) {
+      table.keys.emplace_back(fmt::format("dhr_states_{:g}", detail.wavelength_nm), detail.states);
+      table.keys.emplace_back(
+          fmt::format("dhr_parts_{:g}", detail.wavelength_nm),
+          fmt::format("u: noise {:.2g}, calibration {:.2g}, quadrature {:.2g}, beyond the last angle "
+                      "{:.2g}, polarisation {:.2g}; {:.3g} of the value lies beyond the last angle",
+                      detail.noise_u, detail.shared_u, detail.quadrature_u, detail.extrapolation_u,
+                      detail.polarisation_u, detail.extrapolation));
+    }
+  }
+  summarise(table, summary);
+  for (const std::string& note : calibration.notes)
+    if (calibration.inputs.empty()) summary.notes.push_back(note);
+  return result;
+}
+
+}  // namespace umov::calibrate

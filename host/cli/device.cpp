@@ -1,0 +1,269 @@
+// umov device: look at a controller, home it, move an axis, change settings, read its fault log.
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/cli/command.hpp"
+#include "host/cli/device_choice.hpp"
+#include "host/errors/error.hpp"
+#include "host/instrument/refusals.hpp"
+#include "host/instrument/session.hpp"
+
+namespace umov::cli {
+namespace {
+
+using instrument::Session;
+using nlohmann::json;
+
+struct Options {
+  DeviceChoice device;
+  std::string axis;
+  std::string target;
+  std::vector<std::string> axes;
+  std::vector<std::string> settings;
+  bool clear = false;
+};
+
+Session open_session(const Options& options, const Common& common) {
+  return Session(connector(options.device, "white-99", common.seed)());
+}
+
+std::string text(const protocol::Name& name) {
+  const std::string whole(name.begin(), name.end());
+  return whole.substr(0, whole.find('\0'));
+}
+
+std::uint8_t axis_by_name(const std::string& name) {
+  for (int axis = 0; axis < protocol::axis_count; ++axis) {
+    if (instrument::axis_name(axis) == name) return static_cast<std::uint8_t>(axis);
+  }
+  throw Error(fmt::format("there is no axis '{}'", name),
+              "axes are incidence, detector, azimuth, polarizer, analyzer, filter");
+}
+
+json status_json(const protocol::Status& status) {
+  json positions;
+  for (int axis = 0; axis < protocol::axis_count; ++axis) {
+    positions[instrument::axis_name(axis)] = 1e-6 * status.position_udeg[static_cast<std::size_t>(axis)];
+  }
+  return {{"state", instrument::state_name(status.state)},
+          {"fault", instrument::fault_name(status.fault)},
+          {"interlock_closed", status.interlock_closed != 0},
+          {"homed_mask", status.homed_mask},
+          {"program_id", status.program_id},
+          {"records_waiting", status.next_record - status.first_unacknowledged},
+          {"position_deg", positions}};
+}
+
+void info(const Options& options, const Common& common) {
+  auto session = open_session(options, common);
+  const auto& device = session.device();
+  const auto status = session.request(protocol::GetStatus{});
+  json axes = json::array();
+  for (std::uint8_t axis = 0; axis < protocol::axis_count; ++axis) {
+    const auto properties = session.request(protocol::GetAxis{axis});
+    axes.push_back({{"name", instrument::axis_name(axis)},
+                    {"steps_per_turn", properties.steps_per_turn},
+                    {"min_deg", 1e-6 * properties.min_udeg},
+                    {"max_deg", 1e-6 * properties.max_udeg},
+                    {"speed_deg_s", 1e-3 * properties.speed_mdeg_s},
+                    {"acceleration_deg_s2", 1e-3 * properties.acceleration_mdeg_s2},
+                    {"jerk_deg_s3", 1e-3 * properties.jerk_mdeg_s3},
+                    {"take_up_deg", 1e-6 * properties.take_up_udeg}});
+  }
+  if (common.json) {
+    std::vector<double> densities;
+    for (const auto milli : device.filter_od_milli) densities.push_back(1e-3 * milli);
+    const json out{{"device", text(device.device_name)},
+                   {"serial", text(device.serial)},
+                   {"protocol", device.version},
+                   {"schema_hash", fmt::format("{:016x}", device.schema_hash)},
+                   {"firmware_hash", fmt::format("{:016x}", device.firmware_hash)},
+                   {"boot_id", device.boot_id},
+                   {"sample_rate_hz", device.sample_rate_hz},
+                   {"adc_step_v", 1e-9 * device.adc_step_nv},
+                   {"gains", device.gains},
+                   {"wavelengths_nm", device.wavelengths_nm},
+                   {"filter_optical_density", densities},
+                   {"status", status_json(status)},
+                   {"axes", axes}};
+    fmt::print("{}\n", out.dump(2));
+    return;
+  }
+  fmt::print("{} {} at {}\n", text(device.device_name), text(device.serial), session.name());
+  fmt::print("  protocol {}, schema {:016x}, firmware {:016x}, boot {}\n", device.version,
+             device.schema_hash, device.firmware_hash, device.boot_id);
+  fmt::print("  lasers {}, {}, {} nm; amplifier ranges {}, {}, {}, {}; {} kS/s, {:.4g} mV a code\n",
+             device.wavelengths_nm[0], device.wavelengths_nm[1], device.wavelengths_nm[2],
+             device.gains[0], device.gains[1], device.gains[2], device.gains[3],
+             device.sample_rate_hz / 1000, 1e-6 * device.adc_step_nv);
+  fmt::print("  filter wheel: optical density");
+  for (const auto milli : device.filter_od_milli) fmt::print(" {:g}", 1e-3 * milli);
+  fmt::print("\n  state {}, fault {}, interlock {}\n", instrument::state_name(status.state),
+             instrument::fault_name(status.fault), status.interlock_closed != 0 ? "closed" : "open");
+  fmt::print("  {:<10} {:>10} {:>8} {:>8} {:>9} {:>7}\n", "axis", "position/°", "min/°", "max/°", "speed °/s", "homed");
+  for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+    fmt::print("  {:<10} {:>10.3f} {:>8g} {:>8g} {:>9g} {:>7}\n", axes[axis]["name"].get<std::string>(),
+               1e-6 * status.position_udeg[axis], axes[axis]["min_deg"].get<double>(),
+               axes[axis]["max_deg"].get<double>(), axes[axis]["speed_deg_s"].get<double>(),
+               (status.homed_mask >> axis & 1) != 0 ? "yes" : "no");
+  }
+}
+
+void wait_until_idle(Session& session) {
+  for (;;) {
+    session.poll(std::chrono::milliseconds(50));
+    while (session.next_event()) {
+    }
+    const auto status = session.request(protocol::GetStatus{});
+    if (status.fault != 0) throw instrument::Faulted(session.name(), status.fault, "while moving");
+    if (status.state == static_cast<std::uint8_t>(protocol::State::idle)) return;
+  }
+}
+
+void print_positions(Session& session, const Common& common) {
+  const auto status = session.request(protocol::GetStatus{});
+  if (common.json) {
+    fmt::print("{}\n", status_json(status).dump());
+    return;
+  }
+  for (int axis = 0; axis < protocol::axis_count; ++axis) {
+    fmt::print("{}{} {:.4f}°", axis > 0 ? ", " : "", instrument::axis_name(axis),
+               1e-6 * status.position_udeg[static_cast<std::size_t>(axis)]);
+  }
+  fmt::print("\n");
+}
+
+void home(const Options& options, const Common& common) {
+  auto session = open_session(options, common);
+  std::uint8_t mask = 0;
+  for (const auto& axis : options.axes) mask = static_cast<std::uint8_t>(mask | 1u << axis_by_name(axis));
+  session.request(protocol::Home{mask != 0 ? mask : std::uint8_t{0x3f}});
+  wait_until_idle(session);
+  print_positions(session, common);
+}
+
+void jog(const Options& options, const Common& common) {
+  auto session = open_session(options, common);
+  protocol::Move move;
+  move.axis = axis_by_name(options.axis);
+  if (options.target == "open") {
+    move.target_udeg = protocol::open_position;
+  } else {
+    try {
+      std::size_t used = 0;
+      const double target_deg = std::stod(options.target, &used);
+      if (used != options.target.size() || std::abs(target_deg) > 2000) throw std::invalid_argument("");
+      move.target_udeg = static_cast<std::int32_t>(std::lround(1e6 * target_deg));
+    } catch (const std::logic_error&) {
+      throw Error(fmt::format("'{}' is not an angle", options.target), "give degrees, or open for a polariser or analyser");
+    }
+  }
+  const auto status = session.request(protocol::GetStatus{});
+  if ((status.homed_mask >> move.axis & 1) == 0) {
+    session.request(protocol::Home{static_cast<std::uint8_t>(1u << move.axis)});
+    wait_until_idle(session);
+  }
+  session.request(move);
+  wait_until_idle(session);
+  print_positions(session, common);
+}
+
+void config(const Options& options, const Common& common) {
+  auto session = open_session(options, common);
+  const auto axis = axis_by_name(options.axis);
+  auto now = session.request(protocol::GetAxis{axis});
+  protocol::SetAxis set{axis, now.min_udeg, now.max_udeg, now.speed_mdeg_s, now.acceleration_mdeg_s2, now.jerk_mdeg_s3, now.take_up_udeg};
+  for (const auto& setting : options.settings) {
+    const auto equals = setting.find('=');
+    const std::string key = setting.substr(0, equals);
+    double value = 0;
+    try {
+      value = std::stod(equals == std::string::npos ? "" : setting.substr(equals + 1));
+    } catch (const std::logic_error&) {
+      throw Error(fmt::format("'{}' is not key=number", setting), "write for instance speed_deg_s=10");
+    }
+    if (key == "min_deg") set.min_udeg = static_cast<std::int32_t>(std::lround(1e6 * value));
+    else if (key == "max_deg") set.max_udeg = static_cast<std::int32_t>(std::lround(1e6 * value));
+    else if (key == "speed_deg_s") set.speed_mdeg_s = static_cast<std::uint32_t>(std::lround(1e3 * value));
+    else if (key == "acceleration_deg_s2") set.acceleration_mdeg_s2 = static_cast<std::uint32_t>(std::lround(1e3 * value));
+    else if (key == "jerk_deg_s3") set.jerk_mdeg_s3 = static_cast<std::uint32_t>(std::lround(1e3 * value));
+    else if (key == "take_up_deg") set.take_up_udeg = static_cast<std::uint32_t>(std::lround(1e6 * value));
+    else throw Error(fmt::format("an axis has no setting '{}'", key),
+                     "settings are min_deg, max_deg, speed_deg_s, acceleration_deg_s2, jerk_deg_s3, take_up_deg");
+  }
+  now = options.settings.empty() ? now : session.request(set);
+  const json out{{"axis", options.axis}, {"min_deg", 1e-6 * now.min_udeg}, {"max_deg", 1e-6 * now.max_udeg},
+                 {"speed_deg_s", 1e-3 * now.speed_mdeg_s}, {"acceleration_deg_s2", 1e-3 * now.acceleration_mdeg_s2},
+                 {"jerk_deg_s3", 1e-3 * now.jerk_mdeg_s3}, {"take_up_deg", 1e-6 * now.take_up_udeg}};
+  fmt::print("{}\n", common.json ? out.dump() : out.dump(2));
+}
+
+void log(const Options& options, const Common& common) {
+  auto session = open_session(options, common);
+  if (options.clear) {
+    const auto status = session.request(protocol::GetStatus{});
+    if (status.fault != 0) session.request(protocol::ClearFault{status.fault});
+  }
+  json entries = json::array();
+  for (std::uint16_t index = 0;; ++index) {
+    const auto entry = session.request(protocol::ReadLog{index});
+    if (entry.fault == 0) break;
+    entries.push_back({{"boot_id", entry.boot_id}, {"time_s", 1e-6 * static_cast<double>(entry.time_us)},
+                       {"fault", instrument::fault_name(entry.fault)}, {"detail", entry.detail}});
+  }
+  if (common.json) {
+    fmt::print("{}\n", entries.dump());
+    return;
+  }
+  if (entries.empty()) fmt::print("the fault log is empty\n");
+  for (const auto& entry : entries) {
+    fmt::print("boot {} at {:.3f} s: {} ({})\n", entry["boot_id"].get<std::uint32_t>(), entry["time_s"].get<double>(),
+               entry["fault"].get<std::string>(), entry["detail"].get<int>());
+  }
+}
+
+void list(const Common& common) {
+  if (common.json) {
+    fmt::print("{}\n", json::array({{{"device", "emulator"}, {"about", "emulated instrument in this process"}}}).dump());
+    return;
+  }
+  fmt::print("emulator         emulated instrument in this process\n"
+             "tcp:HOST:PORT    controller or `umov emulator` on the network\n");
+}
+
+}  // namespace
+
+void add_device_command(CLI::App& root, const Common& common) {
+  auto options = std::make_shared<Options>();
+  auto* command = root.add_subcommand("device", "Look at a controller, home it, move an axis, read its fault log");
+  command->require_subcommand(1);
+  auto* list_command = command->add_subcommand("list", "kinds of device that can be named");
+  list_command->callback([&common] { list(common); });
+
+  const auto add = [&](const char* name, const char* about, void (*run)(const Options&, const Common&)) {
+    auto* sub = command->add_subcommand(name, about);
+    add_device_options(*sub, options->device);
+    sub->callback([options, &common, run] { run(*options, common); });
+    return sub;
+  };
+  add("info", "who it is, its axes and its state", info);
+  add("home", "home all axes, or those named", home)->add_option("axes", options->axes, "axes to home");
+  auto* jog_command = add("jog", "move one axis to an angle", jog);
+  jog_command->add_option("axis", options->axis, "incidence, detector, azimuth, polarizer, analyzer or filter")->required();
+  jog_command->add_option("target", options->target, "degrees, or open")->required();
+  auto* config_command = add("config", "show or change the settings of an axis", config);
+  config_command->add_option("axis", options->axis, "axis")->required();
+  config_command->add_option("settings", options->settings, "key=value …");
+  add("log", "the fault log, newest first", log)->add_flag("--clear", options->clear, "clear the latched fault as well");
+}
+
+}  // namespace umov::cli

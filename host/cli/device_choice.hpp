@@ -1,0 +1,37 @@
+// --device and the options of the embedded emulator, shared by scan and device.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/instrument/transport.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace umov::cli {
+
+/// What the user said about the instrument. The last four concern the embedded emulator only.
+struct DeviceChoice {
+  std::string device = "emulator";
+  std::string sample;  ///< empty: by the plan's sample name
+  std::string preset = "ideal";
+  std::string plant_file;
+  std::vector<std::string> plant_settings;  ///< "key=value"
+};
+
+void add_device_options(CLI::App& command, DeviceChoice& choice);
+/// Adds only what describes the emulated instrument.
+void add_plant_options(CLI::App& command, DeviceChoice& choice);
+
+/// Opens the pipe to that device each time it is called. `plan_sample` names the emulated sample
+/// where --sample does not ("red gloss" = red-gloss).
+std::function<std::unique_ptr<instrument::Transport>()> connector(const DeviceChoice& choice,
+                                                                  const std::string& plan_sample,
+                                                                  std::uint64_t seed);
+
+}  // namespace umov::cli

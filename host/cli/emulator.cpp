@@ -1,0 +1,158 @@
+// umov emulator: an instrument without hardware, on TCP; and what there is to put on its stage.
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "hil/plant/parameter_list.hpp"
+#include "hil/plant/sample_catalog.hpp"
+#include "host/cli/command.hpp"
+#include "host/cli/device_choice.hpp"
+#include "host/cli/emulator/emulated_instrument.hpp"
+#include "host/cli/interrupt.hpp"
+#include "host/errors/error.hpp"
+#include "host/optics/mueller.hpp"
+
+namespace umov::cli {
+namespace {
+
+struct Options {
+  DeviceChoice plant;
+  std::uint16_t port = 5025;
+  std::string address = "127.0.0.1";
+  bool real_time = false;
+  bool list = false;
+  bool parameters = false;
+  std::string describe;
+  std::string certificate;
+  std::string output;
+};
+
+void list_samples(const Common& common) {
+  if (common.json) {
+    nlohmann::json out = nlohmann::json::array();
+    for (const auto& name : plant::sample_names()) {
+      out.push_back({{"sample", name}, {"about", plant::sample_title(name)}});
+    }
+    fmt::print("{}\n", out.dump());
+    return;
+  }
+  for (const auto& name : plant::sample_names()) fmt::print("{:<18} {}\n", name, plant::sample_title(name));
+}
+
+/// The true parameters of a sample: what an inversion should find.
+void describe(const std::string& name, const Common& common) {
+  const auto sample = plant::make_sample(name);
+  nlohmann::json out{{"sample", name}, {"wavelengths_nm", plant::laser_names}};
+  nlohmann::json parameters = nlohmann::json::object();
+  for (const int wavelength_nm : plant::laser_names) {
+    for (const auto& truth : sample->truth(wavelength_nm)) {
+      parameters[truth.name]["unit"] = truth.unit;
+      parameters[truth.name]["value"].push_back(truth.value);
+    }
+  }
+  out["parameters"] = parameters;
+  if (common.json) {
+    fmt::print("{}\n", out.dump());
+    return;
+  }
+  fmt::print("{:<18}", name);
+  for (const int wavelength_nm : plant::laser_names) fmt::print("{:>9} nm", wavelength_nm);
+  fmt::print("\n");
+  for (const auto& [key, parameter] : parameters.items()) {
+    fmt::print("{:<18}", key);
+    for (const auto& value : parameter["value"]) fmt::print("{:>12.5g}", value.get<double>());
+    fmt::print("  {}\n", parameter["unit"].get<std::string>());
+  }
+}
+
+/// The polarised in-plane BRDF of a sample as a calibration laboratory would certify it: what
+/// `umov calibrate --reference-brdf` reads for a standard that is not Lambertian.
+void write_certificate(const std::string& name, const std::string& path) {
+  const auto sample = plant::make_sample(name);
+  struct Axis {
+    const char* text;
+    double deg;
+  };
+  constexpr double open = std::numeric_limits<double>::quiet_NaN();
+  constexpr std::array<Axis, 3> axes{{{"0", 0.0}, {"90", 90.0}, {"open", open}}};
+  const auto stokes = [](double axis_deg, bool analyzer) {
+    if (std::isnan(axis_deg)) return optics::unpolarized<double>();
+    return analyzer ? optics::analyzer_stokes<double>(axis_deg) : optics::polarizer_stokes<double>(axis_deg);
+  };
+  std::ofstream file(path);
+  file << "# BRDF of " << name << " in the plane of incidence, 1/sr; polariser and analyser axes from p towards s\n"
+       << "theta_i_deg,theta_r_deg,phi_r_deg,wavelength_nm,polarizer_deg,analyzer_deg,brdf_per_sr\n";
+  for (const int wavelength_nm : plant::laser_names) {
+    for (int theta_i_deg = 0; theta_i_deg <= 75; theta_i_deg += 5) {
+      for (double theta_r_deg = -88; theta_r_deg <= 88; theta_r_deg += 1) {
+        const auto brdf = plant::brdf_at(*sample, theta_i_deg, theta_r_deg, 0, wavelength_nm);
+        for (const auto& polarizer : axes) {
+          for (const auto& analyzer : axes) {
+            file << fmt::format("{},{:g},0,{},{},{},{:.9g}\n", theta_i_deg, theta_r_deg, wavelength_nm, polarizer.text,
+                                analyzer.text,
+                                optics::contract(stokes(analyzer.deg, true), brdf, stokes(polarizer.deg, false)));
+          }
+        }
+      }
+    }
+  }
+  if (!file.flush()) throw Error({path}, "cannot write the certificate", "check the folder and the space on the disk");
+}
+
+void run(const Options& options, const Common& common) {
+  if (options.list) return list_samples(common);
+  if (options.parameters) {
+    fmt::print("{}", plant::parameter_reference());
+    return;
+  }
+  if (!options.describe.empty()) return describe(options.describe, common);
+  if (!options.certificate.empty()) return write_certificate(options.certificate, options.output);
+  if (options.plant.sample.empty()) {
+    throw Error("no sample was named", "add --sample NAME; umov emulator --list shows the names");
+  }
+  catch_interrupts();
+  emulator::BenchOptions bench{options.plant.sample, options.plant.preset, options.plant.plant_file,
+                               options.plant.plant_settings, common.seed};
+  emulator::ServeOptions serve_options;
+  serve_options.port = options.port;
+  serve_options.address = options.address;
+  serve_options.real_time = options.real_time;
+  serve_options.on_listening = [&](std::uint16_t port) {
+    if (common.quiet) return;
+    fmt::print("{} on the stage; connect with --device tcp:{}:{} (Ctrl-C ends)\n", bench.sample, options.address, port);
+    std::fflush(stdout);
+  };
+  serve_options.on_event = [&](const std::string& event) {
+    if (!common.quiet) fmt::print(stderr, "{}\n", event);
+  };
+  emulator::serve(bench, serve_options, [] { return !interrupt_flag().load(); });
+}
+
+}  // namespace
+
+void add_emulator_command(CLI::App& root, const Common& common) {
+  auto options = std::make_shared<Options>();
+  auto* command = root.add_subcommand("emulator", "An instrument without hardware: the real firmware core on emulated physics, on TCP");
+  add_plant_options(*command, options->plant);
+  command->add_option("--port", options->port, "TCP port, 0 = any free one")->capture_default_str();
+  command->add_option("--address", options->address, "address to listen on")->capture_default_str();
+  command->add_flag("--real-time", options->real_time, "let emulated time follow the wall clock");
+  command->add_flag("--list", options->list, "the shipped samples");
+  command->add_flag("--parameters", options->parameters, "every parameter of the emulated physics, with both presets");
+  command->add_option("--describe", options->describe, "the true parameters of a sample");
+  auto* output = command->add_option("-o,--output", options->output, "file for --certificate");
+  command->add_option("--certificate", options->certificate,
+                      "write the true in-plane BRDF of a sample as CSV, as a calibration laboratory would certify it")
+      ->needs(output);
+  command->footer("Example:\n  umov emulator --sample red-gloss --preset realistic --port 5025");
+  command->callback([options, &common] { run(*options, common); });
+}
+
+}  // namespace umov::cli

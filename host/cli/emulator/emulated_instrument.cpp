@@ -1,0 +1,98 @@
+#include "host/cli/emulator/emulated_instrument.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <utility>
+
+#include "hil/plant/parameter_list.hpp"
+#include "hil/plant/sample_catalog.hpp"
+
+namespace umov::emulator {
+namespace {
+
+/// The wires between the board's pins and the plant.
+class Wiring : public boards::native::World {
+ public:
+  explicit Wiring(plant::Plant& plant) : plant_(&plant) {}
+
+  void step(int axis, int direction, double time_s) override { plant_->step(axis, direction, time_s); }
+  boards::native::AxisSwitches switches(int axis) const override {
+    const auto state = plant_->switches(axis);
+    return {.home = state.home, .lower_limit = state.lower_limit, .upper_limit = state.upper_limit};
+  }
+  void set_laser(int laser, bool on, double time_s) override { plant_->set_laser(laser, on, time_s); }
+  void set_shutter(bool open, double time_s) override { plant_->set_shutter(open, time_s); }
+  void set_gain(int range, double time_s) override { plant_->set_gain(range, time_s); }
+  bool interlock_closed() const override { return plant_->interlock_closed(); }
+  void set_reference(std::uint32_t phase_step) override { plant_->set_reference(phase_step); }
+  void sample(double start_time_s, double sample_rate_hz, std::uint64_t first,
+              std::span<std::uint16_t> signal, std::span<std::uint16_t> monitor) override {
+    plant_->sample(start_time_s, sample_rate_hz, first, signal, monitor);
+  }
+
+ private:
+  plant::Plant* plant_;
+};
+
+/// Differs from start to start, so that hosts notice a restart.
+std::uint32_t fresh_boot_id() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+  return static_cast<std::uint32_t>(us) ^ (static_cast<std::uint32_t>(getpid()) << 16U);
+}
+
+class EmbeddedTransport : public instrument::Transport {
+ public:
+  explicit EmbeddedTransport(const BenchOptions& options) : instrument_(options) {}
+
+  void write(std::span<const std::uint8_t> bytes) override { instrument_.board().deliver(bytes); }
+
+  std::size_t read(std::span<std::uint8_t> buffer, std::chrono::microseconds timeout) override {
+    auto& board = instrument_.board();
+    if (used_ == output_.size()) {
+      output_.clear();
+      used_ = 0;
+      board.run_until_output(static_cast<std::uint64_t>(std::max<std::int64_t>(timeout.count(), 1)));
+      board.take_output(output_);
+    }
+    const std::size_t n = std::min(buffer.size(), output_.size() - used_);
+    std::copy_n(output_.begin() + static_cast<std::ptrdiff_t>(used_), n, buffer.begin());
+    used_ += n;
+    return n;
+  }
+
+  std::uint64_t clock_us() override { return instrument_.board().now_us(); }
+  std::string name() const override { return "emulator"; }
+
+ private:
+  EmulatedInstrument instrument_;
+  std::vector<std::uint8_t> output_;
+  std::size_t used_ = 0;
+};
+
+}  // namespace
+
+EmulatedInstrument::EmulatedInstrument(const BenchOptions& options,
+                                       std::function<std::uint64_t()> link_time_us) {
+  plant::PlantSetup setup;
+  setup.config = options.plant_file.empty() ? plant::preset_config(options.preset)
+                                            : plant::config_from_file(options.plant_file);
+  for (const auto& setting : options.settings) plant::apply_override(setup.config, setting);
+  setup.sample = plant::make_sample(options.sample);
+  setup.seed = options.seed;
+  plant_ = std::make_unique<plant::Plant>(std::move(setup));
+  wiring_ = std::make_unique<Wiring>(*plant_);
+  boards::native::NativeBoardOptions board;
+  board.boot_id = fresh_boot_id();
+  board.link_time_us = std::move(link_time_us);
+  board_ = std::make_unique<boards::native::NativeBoard>(*wiring_, std::move(board));
+}
+
+std::unique_ptr<instrument::Transport> make_embedded(const BenchOptions& options) {
+  return std::make_unique<EmbeddedTransport>(options);
+}
+
+}  // namespace umov::emulator

@@ -1,0 +1,61 @@
+// The emulated instrument: the firmware core on the native board, wired to the plant.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "boards/native/native_board.hpp"
+#include "boards/native/world.hpp"
+#include "hil/plant/plant.hpp"
+#include "host/instrument/transport.hpp"
+
+namespace umov::emulator {
+
+/// What the emulated bench is like.
+struct BenchOptions {
+  std::string sample;                 ///< shipped sample by name, or a sample file
+  std::string preset = "ideal";       ///< or "realistic"
+  std::string plant_file;             ///< TOML of plant parameters; replaces the preset
+  std::vector<std::string> settings;  ///< "parameter=value", applied last
+  std::uint64_t seed = 1;             ///< of all its randomness
+};
+
+/// Board and plant together. Owns both; not thread-safe.
+class EmulatedInstrument {
+ public:
+  /// `link_time_us` as in NativeBoardOptions. Throws umov::Error for an unknown sample, preset or
+  /// parameter.
+  explicit EmulatedInstrument(const BenchOptions& options,
+                              std::function<std::uint64_t()> link_time_us = {});
+
+  boards::native::NativeBoard& board() { return *board_; }
+  plant::Plant& plant() { return *plant_; }
+
+ private:
+  std::unique_ptr<plant::Plant> plant_;
+  std::unique_ptr<boards::native::World> wiring_;
+  std::unique_ptr<boards::native::NativeBoard> board_;
+};
+
+/// An instrument in this process whose virtual time passes while the host waits for bytes.
+std::unique_ptr<instrument::Transport> make_embedded(const BenchOptions& options);
+
+/// How `serve` runs.
+struct ServeOptions {
+  std::uint16_t port = 5025;  ///< 0 = any free one
+  std::string address = "127.0.0.1";
+  bool real_time = false;  ///< virtual time follows the wall clock instead of running ahead
+  std::function<void(std::uint16_t port)> on_listening;       ///< may be empty
+  std::function<void(const std::string& event)> on_event;     ///< may be empty
+};
+
+/// Serves an instrument on TCP, one host at a time, until `keep_going` says no. Program and records
+/// survive a host that goes away.
+void serve(const BenchOptions& bench, const ServeOptions& options,
+           const std::function<bool()>& keep_going);
+
+}  // namespace umov::emulator

@@ -1,0 +1,38 @@
+// Writing a file so that a failure leaves the older one as it was: temporary neighbour, then
+// rename.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+namespace umov::formats {
+
+/// Owns a temporary path beside `target`; removes it unless `commit` has renamed it.
+class ReplacedFile {
+ public:
+  explicit ReplacedFile(std::filesystem::path target);
+  ReplacedFile(const ReplacedFile&) = delete;
+  ReplacedFile& operator=(const ReplacedFile&) = delete;
+  ~ReplacedFile();
+
+  /// Where to write. Same folder as the target, so that the rename is atomic.
+  const std::filesystem::path& temporary() const { return temporary_; }
+  /// Syncs the temporary file to the medium and puts it in the target's place. Throws umov::Error.
+  void commit();
+
+ private:
+  std::filesystem::path target_;
+  std::filesystem::path temporary_;
+  bool committed_ = false;
+};
+
+/// Writes `bytes` to `target` that way. Throws umov::Error.
+void replace_file(const std::filesystem::path& target, std::string_view bytes);
+
+/// Whole content of a file. Throws umov::Error where it is missing, a folder or unreadable.
+std::string read_whole_file(const std::filesystem::path& path);
+
+/// fsync of a folder, so that a new or renamed entry survives a power cut.
+void sync_folder_of(const std::filesystem::path& path);
+
+}  // namespace umov::formats

@@ -1,0 +1,64 @@
+#include "host/instrument/device_names.hpp"
+
+#include <charconv>
+
+#include "host/errors/error.hpp"
+
+namespace umov::instrument {
+namespace {
+
+constexpr std::string_view available = "available are: emulator, tcp:HOST:PORT";
+
+std::string quoted(std::string_view text) {
+  return "'" + std::string(text) + "'";
+}
+
+[[noreturn]] void refuse_address(std::string_view text, const std::string& why) {
+  throw Error("device " + quoted(text) + ": " + why,
+              "write tcp:HOST:PORT, such as tcp:localhost:5025");
+}
+
+DeviceName parse_tcp(std::string_view text) {
+  std::string_view address = text.substr(4);
+  const std::size_t colon = address.rfind(':');
+  if (colon == std::string_view::npos) refuse_address(text, "the port is missing");
+  std::string_view host = address.substr(0, colon);
+  const std::string_view port = address.substr(colon + 1);
+  if (host.size() >= 2 && host.front() == '[' && host.back() == ']') {
+    host = host.substr(1, host.size() - 2);
+  } else if (host.find(':') != std::string_view::npos) {
+    refuse_address(text, "an IPv6 address needs brackets");
+  }
+  if (host.empty()) refuse_address(text, "the host is missing");
+  DeviceName name{DeviceKind::tcp, std::string(host), 0, std::string(text)};
+  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), name.port);
+  if (error != std::errc{} || end != port.data() + port.size() || name.port == 0) {
+    refuse_address(text, "the port " + quoted(port) + " is not a number from 1 to 65535");
+  }
+  return name;
+}
+
+/// `usb` and `usb:SERIAL`, but not `usbx`.
+bool is_kind(std::string_view text, std::string_view kind) {
+  return text.starts_with(kind) && (text.size() == kind.size() || text[kind.size()] == ':');
+}
+
+}  // namespace
+
+DeviceName parse_device_name(std::string_view text) {
+  if (text == "emulator") return {DeviceKind::emulator, {}, 0, std::string(text)};
+  if (is_kind(text, "tcp")) {
+    if (text == "tcp") refuse_address(text, "host and port are missing");
+    return parse_tcp(text);
+  }
+  for (const std::string_view kind : {"usb", "hid", "serial"}) {
+    if (is_kind(text, kind)) {
+      throw Error("device " + quoted(text) + ": " + std::string(kind) +
+                      " devices are not available in this build",
+                  std::string(available));
+    }
+  }
+  throw Error("unknown device " + quoted(text), std::string(available));
+}
+
+}  // namespace umov::instrument

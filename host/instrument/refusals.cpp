@@ -1,0 +1,151 @@
+#include "host/instrument/refusals.hpp"
+
+#include <array>
+#include <utility>
+
+#include "protocol/codec.hpp"
+
+namespace umov::instrument {
+namespace {
+
+using protocol::Refusal;
+
+struct FaultText {
+  std::string_view name;
+  std::string_view meaning;
+  std::string_view remedy;
+};
+
+// In the order of protocol::Fault.
+constexpr std::array<FaultText, 12> fault_texts{{
+    {"none", "no fault is latched", "nothing to do"},
+    {"interlock", "the interlock opened",
+     "close the enclosure and clear the fault: umov device log --clear"},
+    {"emergency_stop", "the emergency stop was triggered",
+     "make sure the stage is free and clear the fault: umov device log --clear"},
+    {"limit", "a limit switch was reached",
+     "clear the fault (umov device log --clear), home the axes (umov device home) and check the "
+     "angles"},
+    {"stall", "an axis stalled",
+     "free the axis, clear the fault (umov device log --clear), home the axes (umov device home)"},
+    {"link_lost", "the controller heard nothing from its host for too long",
+     "check the cable and resume the scan"},
+    {"watchdog", "the watchdog restarted the controller",
+     "clear the fault (umov device log --clear), home the axes (umov device home) and resume"},
+    {"brown_out", "the supply voltage dropped",
+     "check the supply, clear the fault (umov device log --clear), home the axes (umov device "
+     "home)"},
+    {"adc_overrun", "ADC samples were lost",
+     "clear the fault (umov device log --clear) and resume; restart the controller if it comes "
+     "back"},
+    {"missed_deadline", "the controller missed a deadline",
+     "clear the fault (umov device log --clear) and resume; restart the controller if it comes "
+     "back"},
+    {"not_homed", "an axis was asked to move before it was homed",
+     "clear the fault (umov device log --clear) and home the axes (umov device home)"},
+    {"internal", "the firmware found an inconsistency in itself",
+     "restart the controller and keep the output of umov device log for its developers"},
+}};
+static_assert(fault_texts.size() == static_cast<std::size_t>(protocol::Fault::internal) + 1);
+
+std::string axis_or_nothing(std::int32_t detail) {
+  return detail >= 0 && detail < protocol::axis_count ? " (" + axis_name(detail) + ")" : "";
+}
+
+struct RefusalText {
+  std::string problem;
+  std::string remedy;
+};
+
+RefusalText refusal_text(const protocol::ErrorReply& reply) {
+  switch (static_cast<Refusal>(reply.code)) {
+    case Refusal::none:
+      return {"it gives no reason", "repeat the command"};
+    case Refusal::unknown_message:
+      return {"its firmware does not know this request", "flash the firmware of this release"};
+    case Refusal::bad_length:
+      return {"the request has the wrong length for its firmware",
+              "flash the firmware of this release"};
+    case Refusal::out_of_range: {
+      const std::string field =
+          reply.detail >= 0 ? "field number " + std::to_string(reply.detail) : "a field";
+      return {field + " is out of range", "the ranges stand in protocol/PROTOCOL.md"};
+    }
+    case Refusal::wrong_state:
+      return {"it is busy with something else",
+              "wait until it is idle (umov device info) or stop it"};
+    case Refusal::fault_active:
+      return {
+          "a fault is latched",
+          "see umov device info for which; remove its cause and clear it: umov device log --clear"};
+    case Refusal::not_homed:
+      return {"an axis" + axis_or_nothing(reply.detail) + " has not been homed",
+              "home the axes: umov device home"};
+    case Refusal::outside_limits:
+      return {"the position lies outside the limits of the axis" + axis_or_nothing(reply.detail),
+              "change the plan, or the axis limits with umov device config"};
+    case Refusal::schema_mismatch:
+      return {"it does not accept this program's protocol version",
+              "flash the firmware of this release"};
+    case Refusal::busy:
+      return {"it serves another host", "end the other program first"};
+    case Refusal::stale_program:
+      return {"it has another program in memory", "resume the scan, which starts it anew"};
+  }
+  return {"reason " + std::to_string(reply.code) + ", unknown to this program",
+          "use the program release that fits the firmware"};
+}
+
+std::string compose_fault(std::uint8_t fault, const std::string& where) {
+  return "controller in the safe state" + (where.empty() ? "" : " " + where) + ": " +
+         fault_meaning(fault) + " [" + fault_name(fault) + "]";
+}
+
+}  // namespace
+
+std::string fault_name(std::uint8_t fault) {
+  if (fault < fault_texts.size()) return std::string(fault_texts[fault].name);
+  return "fault " + std::to_string(fault);
+}
+
+std::string fault_meaning(std::uint8_t fault) {
+  if (fault < fault_texts.size()) return std::string(fault_texts[fault].meaning);
+  return "a fault this program does not know";
+}
+
+std::string fault_remedy(std::uint8_t fault) {
+  if (fault < fault_texts.size()) return std::string(fault_texts[fault].remedy);
+  return "use the program release that fits the firmware";
+}
+
+std::string state_name(std::uint8_t state) {
+  constexpr std::array<std::string_view, 8> names{
+      "idle",   "homing",           "moving",           "scanning",
+      "paused", "waiting_for_rows", "waiting_for_host", "safe"};
+  static_assert(names.size() == static_cast<std::size_t>(protocol::State::safe) + 1);
+  if (state < names.size()) return std::string(names[state]);
+  return "state " + std::to_string(state);
+}
+
+std::string axis_name(int axis) {
+  constexpr std::array<std::string_view, protocol::axis_count> names{
+      "incidence", "detector", "azimuth", "polarizer", "analyzer", "filter"};
+  if (axis >= 0 && axis < protocol::axis_count) {
+    return std::string(names[static_cast<std::size_t>(axis)]);
+  }
+  return "axis " + std::to_string(axis);
+}
+
+Refused::Refused(const std::string& device, std::string_view request,
+                 const protocol::ErrorReply& reply)
+    : Error(Place{device},
+            "the controller refuses " + std::string(request) + ": " + refusal_text(reply).problem,
+            refusal_text(reply).remedy),
+      refusal_(static_cast<protocol::Refusal>(reply.code)),
+      detail_(reply.detail) {}
+
+Faulted::Faulted(const std::string& device, std::uint8_t fault, const std::string& where)
+    : Error(Place{device}, compose_fault(fault, where), fault_remedy(fault)),
+      fault_(static_cast<protocol::Fault>(fault)) {}
+
+}  // namespace umov::instrument

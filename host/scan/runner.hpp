@@ -1,0 +1,56 @@
+// Runs a plan on a controller: journal first, acknowledge after, scan.h5 at the end.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "host/instrument/transport.hpp"
+#include "host/scan/plan.hpp"
+
+namespace umov::scan {
+
+/// Where a running scan stands.
+struct RunProgress {
+  std::uint32_t done = 0;   ///< records that are safe or about to be
+  std::uint32_t total = 0;  ///< rows of the plan
+  std::string note;         ///< what the instrument does besides measuring ("homing …")
+};
+
+struct RunOptions {
+  std::filesystem::path output;  ///< scan.h5; the journal lies beside it
+  bool resume = false;           ///< go on from the journal
+  bool overwrite = false;        ///< replace what an earlier scan left
+  std::string program;           ///< name and version, for provenance
+  std::string command;           ///< command line, for provenance
+  /// Opens the pipe to the controller; called again after a lost link.
+  std::function<std::unique_ptr<instrument::Transport>()> connect;
+  std::function<void(const RunProgress&)> progress;  ///< may be empty
+  std::function<bool()> keep_going;                  ///< false: stop and keep what is there
+  int reconnects = 5;                                ///< tries after a lost link
+  std::chrono::milliseconds reconnect_wait{400};     ///< before the first; doubles
+};
+
+struct RunSummary {
+  bool complete = false;
+  std::uint32_t records = 0;        ///< in the file
+  std::uint32_t total = 0;          ///< rows of the plan
+  std::uint32_t resumed_from = 0;   ///< records that were there before
+  int lost_links = 0;               ///< that were taken up again
+  std::uint64_t saturated = 0;      ///< records with clipped samples
+  double instrument_time_s = 0;     ///< time of the last record
+};
+
+/// Path of the journal that belongs to a scan file.
+std::filesystem::path journal_path(const std::filesystem::path& output);
+
+/// Measures every row of the plan once and writes `output`. When stopped early (keep_going, a
+/// fault, a link that stays lost) `output` holds what was measured so far and the journal stays,
+/// so that a run with `resume` finishes it.
+/// Throws umov::Error: output exists, journal of another plan, plan the device can't do, fault.
+RunSummary run_scan(const Plan& plan, const RunOptions& options);
+
+}  // namespace umov::scan

@@ -1,0 +1,74 @@
+#include "host/instrument/device_names.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "host/errors/error.hpp"
+#include "host/instrument/refusals.hpp"
+#include "protocol/messages.hpp"
+
+namespace umov::instrument {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string failure_of(const std::string& text) {
+  try {
+    parse_device_name(text);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(DeviceNames, TheEmulatorAndTcpAddressesAreUnderstood) {
+  EXPECT_EQ(parse_device_name("emulator").kind, DeviceKind::emulator);
+  const DeviceName tcp = parse_device_name("tcp:bench.local:5025");
+  EXPECT_EQ(tcp.kind, DeviceKind::tcp);
+  EXPECT_EQ(tcp.host, "bench.local");
+  EXPECT_EQ(tcp.port, 5025);
+  EXPECT_EQ(tcp.text, "tcp:bench.local:5025");
+  EXPECT_EQ(parse_device_name("tcp:[::1]:80").host, "::1");
+}
+
+TEST(DeviceNames, KnownDevicesThatAreNotInThisBuildAreToldFromUnknownOnes) {
+  for (const std::string text : {"usb", "usb:0042", "hid", "serial:/dev/ttyACM0"}) {
+    EXPECT_THAT(failure_of(text),
+                HasSubstr("not available in this build (available are: emulator, tcp:HOST:PORT)"));
+  }
+  EXPECT_THAT(failure_of("usbx"), HasSubstr("unknown device 'usbx'"));
+  EXPECT_THAT(failure_of(""), HasSubstr("unknown device ''"));
+}
+
+TEST(DeviceNames, ABadAddressSaysWhatIsWrongWithIt) {
+  EXPECT_THAT(failure_of("tcp"), HasSubstr("host and port are missing"));
+  EXPECT_THAT(failure_of("tcp:localhost"), HasSubstr("the port is missing"));
+  EXPECT_THAT(failure_of("tcp::5025"), HasSubstr("the host is missing"));
+  EXPECT_THAT(failure_of("tcp:a:0"), HasSubstr("from 1 to 65535"));
+  EXPECT_THAT(failure_of("tcp:a:65536"), HasSubstr("from 1 to 65535"));
+  EXPECT_THAT(failure_of("tcp:a:50x"), HasSubstr("'50x'"));
+  EXPECT_THAT(failure_of("tcp:::1:80"), HasSubstr("needs brackets"));
+}
+
+TEST(Refusals, EveryFaultHasAMeaningAndARemedyOfItsOwn) {
+  for (int fault = 1; fault <= static_cast<int>(protocol::Fault::internal); ++fault) {
+    const auto code = static_cast<std::uint8_t>(fault);
+    EXPECT_THAT(fault_remedy(code), ::testing::Not(::testing::IsEmpty()));
+    for (int other = 0; other < fault; ++other) {
+      EXPECT_NE(fault_meaning(code), fault_meaning(static_cast<std::uint8_t>(other)));
+      EXPECT_NE(fault_name(code), fault_name(static_cast<std::uint8_t>(other)));
+    }
+  }
+  EXPECT_EQ(fault_name(200), "fault 200");
+}
+
+TEST(Refusals, EveryRefusalIsPutIntoWords) {
+  for (int code = 0; code <= static_cast<int>(protocol::Refusal::stale_program) + 1; ++code) {
+    const Refused refused("d", "move", {0x31, static_cast<std::uint8_t>(code), 1});
+    EXPECT_THAT(refused.what(), HasSubstr("d: the controller refuses move: "));
+    EXPECT_FALSE(refused.remedy().empty());
+  }
+}
+
+}  // namespace
+}  // namespace umov::instrument
