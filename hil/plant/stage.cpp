@@ -10,9 +10,9 @@ namespace umov::plant {
 
 std::array<AxisTravel, axis_count> reference_travel() {
   std::array<AxisTravel, axis_count> travel;
-  travel[0] = {320'000, 0.0, -14.0, 94.0, 12.0};
-  travel[1] = {320'000, 0.0, -94.0, 94.0, 20.0};
-  travel[2] = {320'000, 0.0, -184.0, 184.0, 5.0};
+  travel[0] = {360'000, 0.0, -14.0, 94.0, 12.0};
+  travel[1] = {360'000, 0.0, -94.0, 94.0, 20.0};
+  travel[2] = {360'000, 0.0, -184.0, 184.0, 5.0};
   // The parking position `open` lies at 200°.
   travel[3] = {72'000, 0.0, -184.0, 206.0, 30.0};
   travel[4] = {72'000, 0.0, -184.0, 206.0, -15.0};

@@ -10,7 +10,7 @@ namespace umov::plant {
 
 /// How an axis is built; must agree with the board's settings for the commanded angles to be true.
 struct AxisTravel {
-  std::uint32_t steps_per_turn = 320'000;
+  std::uint32_t steps_per_turn = 360'000;
   /// Angle of the home switch's edge: pressed everywhere below, released at it and above.
   double home_deg = 0.0;
   double lower_limit_deg = -95.0;  ///< limit switches press at and beyond these angles

@@ -16,7 +16,8 @@ namespace umov::calibrate {
 namespace {
 
 constexpr double degree = optics::radians(1.0);
-/// Records this many standard deviations off the richest model are left out (speckle, a reflection).
+/// Records this many standard deviations off the richest model are left out (speckle, a
+/// reflection).
 constexpr double reject_at = 5.0;
 
 double cos_twice(double axis_deg) {
@@ -54,7 +55,8 @@ std::vector<StandardRow> rows_of(const Prepared& input, double wavelength, doubl
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (input.set_up.row[i] != RowUse::plain || scan.saturated[i] != 0) continue;
     if (std::abs(scan.wavelength_nm[i] - wavelength) >= 0.5) continue;
-    if (!reference.tabulated() && std::abs(std::abs(scan.theta_i_deg[i]) - input.theta_i_deg) > 0.05)
+    if (!reference.tabulated() &&
+        std::abs(std::abs(scan.theta_i_deg[i]) - input.theta_i_deg) > 0.05)
       continue;
     const double cosine = std::cos(scan.theta_r_deg[i] * degree);
     if (!(cosine > 1e-3) || !(scan.monitor_v[i] > 0)) continue;
@@ -67,19 +69,34 @@ std::vector<StandardRow> rows_of(const Prepared& input, double wavelength, doubl
     row.signal_v = ((scan.x_v[i] - dark.x_v) * std::cos(phase_rad) +
                     (scan.y_v[i] - dark.y_v) * std::sin(phase_rad)) /
                    true_part;
-    row.variance = input.noise.variance_normalised(wavelength, scan.gain[i], scan.x_v[i]) /
-                   (true_part * true_part);
     row.base = *f * cosine * input.solid_angle_sr * scan.monitor_v[i];
     row.theta_r_deg = scan.theta_r_deg[i];
+    row.from_retro_deg =
+        from_retro_deg(scan.theta_i_deg[i], scan.theta_r_deg[i], scan.phi_r_deg[i]);
     row.gain = scan.gain[i];
     row.bias_lever = formats::is_open(scan.analyzer_deg[i]) ? polarisation(reference, scan, i)
                                                             : -cos_twice(scan.analyzer_deg[i]);
-    row.retention_lever =
-        reference.polarised() ? 0.0
+    row.retention_lever = reference.polarised()
+                              ? 0.0
                               : cos_twice(scan.polarizer_deg[i]) * cos_twice(scan.analyzer_deg[i]);
     rows.push_back(row);
   }
   return rows;
+}
+
+/// Variances at the signal to be expected: taken at the measured one, a record that is wrongly dark
+/// would get the largest weight of all.
+void set_variances(std::vector<StandardRow>& rows, const Prepared& input, double wavelength) {
+  std::vector<double> ratio;
+  for (const StandardRow& row : rows) ratio.push_back(row.signal_v / row.base);
+  if (ratio.empty()) return;
+  const auto middle = ratio.begin() + static_cast<std::ptrdiff_t>(ratio.size() / 2);
+  std::nth_element(ratio.begin(), middle, ratio.end());
+  for (StandardRow& row : rows) {
+    const double true_part = 1.0 + input.ranges.at(row.gain).error;
+    row.variance = input.noise.variance_normalised(wavelength, row.gain, *middle * row.base) /
+                   (true_part * true_part);
+  }
 }
 
 bool varies(const std::vector<StandardRow>& rows, double StandardRow::*lever) {
@@ -126,12 +143,14 @@ StandardFit fit_wavelength(std::vector<StandardRow>& rows, const Prepared& input
     if (kept.size() == rows.size() || kept.size() < 2 || round == 5) break;
     rows = std::move(kept);
   }
-  entry.rejected = all - rows.size();
+  entry.rejected += all - rows.size();
 
   const bool can_bias = varies(rows, &StandardRow::bias_lever);
   if (options.bias == CalibrateOptions::Bias::on && !can_bias)
-    throw Error("the detector's polarisation bias is asked for, but the white scan has one analyser state only",
-                "measure the standard with analyser P and S, best with both polariser states");
+    throw Error(
+        "the detector's polarisation bias is asked for, but the white scan has one analyser state "
+        "only",
+        "measure the standard with analyser P and S, best with both polariser states");
   if (options.bias != CalibrateOptions::Bias::off && can_bias) {
     model.bias = true;
     StandardFit with = choose_instrument_function(rows, model, options.max_degree, two_sided);
@@ -186,9 +205,9 @@ Prepared prepare(const StandardScan& standard, std::span<const formats::ScanTabl
   const auto solid_angle = scan.number("solid_angle_sr");
   input.solid_angle_sr = solid_angle.value_or(1e-4);
   if (!(input.solid_angle_sr > 0))
-    throw Error(fmt::format("key `solid_angle_sr` of `{}` is {:g}", standard.name,
-                            input.solid_angle_sr),
-                "give the detector's solid angle in sr, such as 1e-4");
+    throw Error(
+        fmt::format("key `solid_angle_sr` of `{}` is {:g}", standard.name, input.solid_angle_sr),
+        "give the detector's solid angle in sr, such as 1e-4");
   if (!solid_angle)
     notes.push_back(fmt::format(
         "{}: no key `solid_angle_sr`; 1e-4 sr is taken (only its product with the gain counts)",
@@ -198,15 +217,18 @@ Prepared prepare(const StandardScan& standard, std::span<const formats::ScanTabl
     if (input.set_up.row[i] == RowUse::plain)
       input.theta_i_deg = std::min(input.theta_i_deg, std::abs(scan.theta_i_deg[i]));
   if (!standard.reference.tabulated())
-    notes.push_back(fmt::format(
-        "{}: its reflectance alone is known, so it counts as Lambertian at incidence {:g} deg, with a "
-        "departure of relative amplitude {:g} in the uncertainty (key reference_shape_u; a table of its "
-        "BRDF, key reference_brdf, does away with it)",
-        standard.name, input.theta_i_deg, standard.reference.shape_u()));
+    notes.push_back(
+        fmt::format("{}: its reflectance alone is known, so it counts as Lambertian at incidence "
+                    "{:g} deg, with a "
+                    "departure of relative amplitude {:g} in the uncertainty (key "
+                    "reference_shape_u; a table of its "
+                    "BRDF, key reference_brdf, does away with it)",
+                    standard.name, input.theta_i_deg, standard.reference.shape_u()));
   return input;
 }
 
-void add_checks(std::span<const StandardScan> standards, std::size_t used, Calibration& calibration) {
+void add_checks(std::span<const StandardScan> standards, std::size_t used,
+                Calibration& calibration) {
   for (std::size_t s = 0; s < standards.size(); ++s) {
     ReduceOptions options;
     options.dolp = false;
@@ -215,7 +237,8 @@ void add_checks(std::span<const StandardScan> standards, std::size_t used, Calib
       StandardCheck check;
       check.standard = standards[s].name;
       check.wavelength_nm = reduction.table.dhr.wavelength_nm[k];
-      check.stated = standards[s].reference.dhr(check.wavelength_nm)
+      check.stated = standards[s]
+                         .reference.dhr(check.wavelength_nm)
                          .value_or(std::numeric_limits<double>::quiet_NaN());
       check.computed = reduction.table.dhr.dhr[k];
       check.computed_u = reduction.table.dhr.dhr_u[k];
@@ -257,7 +280,13 @@ Calibration calibrate(std::span<const StandardScan> standards,
         entry.phase_u_rad = phase.u_rad;
       }
     std::vector<StandardRow> rows = rows_of(input, wavelength, entry.phase_rad);
-    const StandardFit fit = fit_wavelength(rows, input, wavelength, options, entry, calibration.notes);
+    const std::size_t all = rows.size();
+    const double shadow = remove_gross(rows);
+    entry.rejected = all - rows.size();
+    calibration.retro_shadow_deg = std::max(calibration.retro_shadow_deg, shadow);
+    set_variances(rows, input, wavelength);
+    const StandardFit fit =
+        fit_wavelength(rows, input, wavelength, options, entry, calibration.notes);
     entry.gain_constant_v = std::exp(fit.parameters(0));
     const Eigen::Index kept = entry.parameters();
     entry.covariance = fit.covariance.topLeftCorner(kept, kept);
@@ -278,10 +307,16 @@ Calibration calibrate(std::span<const StandardScan> standards,
     }
     calibration.wavelengths.push_back(std::move(entry));
   }
-  for (const StandardScan& s : standards)
-    calibration.inputs.push_back({s.name, "white", s.sha256});
+  if (calibration.retro_shadow_deg > 0)
+    calibration.notes.push_back(
+        fmt::format("the standard is dark on the way back to the source (detector in the beam?): "
+                    "directions nearer "
+                    "than {:g} deg to it are flagged by `reduce`",
+                    calibration.retro_shadow_deg));
+  for (const StandardScan& s : standards) calibration.inputs.push_back({s.name, "white", s.sha256});
   calibration.keys.emplace_back("standard", standard.name);
-  if (const auto device = standard.scan.key("device")) calibration.keys.emplace_back("device", *device);
+  if (const auto device = standard.scan.key("device"))
+    calibration.keys.emplace_back("device", *device);
   add_checks(standards, options.standard, calibration);
   return calibration;
 }

@@ -16,8 +16,9 @@ std::size_t Calibration::index_of(double wavelength_nm) const {
     if (std::abs(wavelengths[w].wavelength_nm - wavelength_nm) < 0.5) return w;
     known += fmt::format("{}{:g}", w == 0 ? "" : ", ", wavelengths[w].wavelength_nm);
   }
-  throw Error(fmt::format("the calibration has no wavelength {:g} nm, only {}", wavelength_nm, known),
-              "calibrate with a white scan that has this wavelength");
+  throw Error(
+      fmt::format("the calibration has no wavelength {:g} nm, only {}", wavelength_nm, known),
+      "calibrate with a white scan that has this wavelength");
 }
 
 const WavelengthCalibration& Calibration::at(double wavelength_nm) const {
@@ -39,9 +40,12 @@ Calibration calibration_from_header(const formats::ScanTable& scan) {
       "give --calibration FILE (made by `umov calibrate`), or state the key in the scan's header";
   const auto positive = [&](const std::string& name) {
     const auto value = scan.number(name);
-    if (!value) throw Error(fmt::format("the scan has no key `{}` and no calibration is given", name), remedy);
+    if (!value)
+      throw Error(fmt::format("the scan has no key `{}` and no calibration is given", name),
+                  remedy);
     if (!(*value > 0) || !std::isfinite(*value))
-      throw Error(fmt::format("key `{}` is {:g}, which is no positive number", name, *value), remedy);
+      throw Error(fmt::format("key `{}` is {:g}, which is no positive number", name, *value),
+                  remedy);
     return *value;
   };
   Calibration calibration;
@@ -72,7 +76,8 @@ Calibration calibration_from_header(const formats::ScanTable& scan) {
       }
     calibration.wavelengths.push_back(entry);
   }
-  calibration.notes.push_back("gain constants from the scan's header; the instrument function is one");
+  calibration.notes.push_back(
+      "gain constants from the scan's header; the instrument function is one");
   calibration.keys.emplace_back("calibration", "header keys gain_constant_<nm>");
   return calibration;
 }

@@ -1,8 +1,9 @@
 // What a calibration knows of the instrument, with covariance: gain per wavelength, instrument
 // function, lock-in phase, dark signal, amplifier ranges.
 //
-// Signal of a record: X cos φ + Y sin φ = dark + (1 + e_g) C f cosθr ΔΩ monitor D / IF(θr), f the BRDF
-// seen by polariser and analyser, D = 1 - δ cos 2α behind an analyser at α, 1 + δ Q/I without one.
+// Signal of a record: X cos φ + Y sin φ = dark + (1 + e_g) C f cosθr ΔΩ monitor D / IF(θr), f the
+// BRDF seen by polariser and analyser, D = 1 - δ cos 2α behind an analyser at α, 1 + δ Q/I without
+// one.
 #pragma once
 
 #include <cstddef>
@@ -28,7 +29,7 @@ struct WavelengthCalibration {
   InstrumentFunction instrument_function;
   double detector_bias = 0;  ///< δ: response to Stokes (1, δ, 0, 0), + favours s
   double detector_bias_u = 0;
-  bool bias_active = false;  ///< δ is applied
+  bool bias_active = false;    ///< δ is applied
   Eigen::MatrixXd covariance;  ///< of the parameters, from the noise of the standard's scan
   double phase_rad = 0, phase_u_rad = 0;
   double reference_relative_u = 0;  ///< scale of the standard, shared by all wavelengths
@@ -37,7 +38,8 @@ struct WavelengthCalibration {
   double dof = 0;
 
   Eigen::Index parameters() const {
-    return 1 + static_cast<Eigen::Index>(instrument_function.degrees.size()) + (bias_active ? 1 : 0);
+    return 1 + static_cast<Eigen::Index>(instrument_function.degrees.size()) +
+           (bias_active ? 1 : 0);
   }
 };
 
@@ -65,7 +67,10 @@ struct CalibrationInput {
 
 struct Calibration {
   double solid_angle_sr = 1e-4;  ///< ΔΩ that C belongs to
-  double shape_u = 0;            ///< amplitude of ReferenceStandard::shape, one sigma
+  /// Exit directions nearer than this to the way back to the source may be in the detector's own
+  /// shadow: the standard was dark there. 0 = none seen.
+  double retro_shadow_deg = 0;
+  double shape_u = 0;  ///< amplitude of ReferenceStandard::shape, one sigma
   std::vector<WavelengthCalibration> wavelengths;
   Dark dark;
   RangeErrors ranges;

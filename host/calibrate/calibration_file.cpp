@@ -43,6 +43,12 @@ std::string per_wavelength(const std::string& path, const WavelengthCalibration&
   return fmt::format("{}_{:g}", path, entry.wavelength_nm);
 }
 
+/// Degrees with twelve digits: turning them to radians and back gives the same number again, so that
+/// the checksum of a file read is that of the file written.
+double stored_degrees(double radians) {
+  return std::stod(fmt::format("{:.12g}", optics::degrees(radians)));
+}
+
 std::string kind_name(Systematic::Kind kind) {
   return kind == Systematic::Kind::dark ? "dark" : "range";
 }
@@ -56,8 +62,8 @@ void flatten_wavelength(const WavelengthCalibration& entry, Flat& flat) {
   flat.number(base + "detector_bias", entry.detector_bias, "1");
   flat.number(base + "detector_bias_u", entry.detector_bias_u, "1");
   flat.number(base + "detector_bias_active", entry.bias_active ? 1 : 0, "1");
-  flat.number(base + "phase_deg", optics::degrees(entry.phase_rad), "deg");
-  flat.number(base + "phase_u_deg", optics::degrees(entry.phase_u_rad), "deg");
+  flat.number(base + "phase_deg", stored_degrees(entry.phase_rad), "deg");
+  flat.number(base + "phase_u_deg", stored_degrees(entry.phase_u_rad), "deg");
   flat.number(base + "records", static_cast<double>(entry.records), "1");
   flat.number(base + "rejected", static_cast<double>(entry.rejected), "1");
   flat.number(base + "chi2", entry.chi2, "1");
@@ -85,6 +91,7 @@ Flat flatten(const Calibration& calibration) {
   Flat flat;
   flat.number("/instrument/solid_angle_sr", calibration.solid_angle_sr, "sr");
   flat.number("/instrument/reference_shape_u", calibration.shape_u, "1");
+  flat.number("/instrument/retro_shadow_deg", calibration.retro_shadow_deg, "deg");
   flat.number("/instrument/range_tolerance", calibration.ranges.tolerance, "1");
   for (const char* name : {"gain", "records"}) flat.declare(fmt::format("/dark/{}", name), "1");
   for (const char* name : {"x_v", "x_u_v", "y_v", "y_u_v"})
@@ -130,7 +137,8 @@ Flat flatten(const Calibration& calibration) {
     flat.number("/checks/computed_u", check.computed_u, "1");
     flat.number("/checks/used_for_gain", check.used_for_gain ? 1 : 0, "1");
   }
-  for (const char* name : {"name", "role", "sha256"}) flat.declare_text(fmt::format("/inputs/{}", name));
+  for (const char* name : {"name", "role", "sha256"})
+    flat.declare_text(fmt::format("/inputs/{}", name));
   for (const CalibrationInput& input : calibration.inputs) {
     flat.text("/inputs/name", input.name);
     flat.text("/inputs/role", input.role);
@@ -157,8 +165,12 @@ std::string checksum(const Flat& flat, const formats::Keys& keys) {
 class Group {
  public:
   Group(const formats::Hdf5Reader& file, std::string path) : file_(file), path_(std::move(path)) {}
-  std::vector<double> numbers(const std::string& name) { return checked(name, file_.doubles(path_ + name)); }
-  std::vector<std::string> texts(const std::string& name) { return checked(name, file_.texts(path_ + name)); }
+  std::vector<double> numbers(const std::string& name) {
+    return checked(name, file_.doubles(path_ + name));
+  }
+  std::vector<std::string> texts(const std::string& name) {
+    return checked(name, file_.texts(path_ + name));
+  }
   std::size_t size() const { return first_ ? 0 : size_; }
 
  private:
@@ -221,8 +233,9 @@ void read_wavelengths(const formats::Hdf5Reader& file, Calibration& calibration)
     const auto expected = static_cast<std::size_t>(entry.parameters());
     if (rows != expected || columns != expected)
       file.fail(path, fmt::format("is {} x {}, not {} x {}", rows, columns, expected, expected));
-    entry.covariance = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-        covariance.data(), entry.parameters(), entry.parameters());
+    entry.covariance =
+        Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+            covariance.data(), entry.parameters(), entry.parameters());
     calibration.wavelengths.push_back(std::move(entry));
   }
 }
@@ -230,7 +243,8 @@ void read_wavelengths(const formats::Hdf5Reader& file, Calibration& calibration)
 void read_ranges(const formats::Hdf5Reader& file, Calibration& calibration) {
   Group dark(file, "/dark/");
   const auto gain = dark.numbers("gain"), x = dark.numbers("x_v"), x_u = dark.numbers("x_u_v"),
-             y = dark.numbers("y_v"), y_u = dark.numbers("y_u_v"), records = dark.numbers("records");
+             y = dark.numbers("y_v"), y_u = dark.numbers("y_u_v"),
+             records = dark.numbers("records");
   for (std::size_t k = 0; k < gain.size(); ++k)
     calibration.dark.levels.push_back(
         {gain[k], x[k], x_u[k], y[k], y_u[k], static_cast<std::size_t>(records[k])});
@@ -251,7 +265,8 @@ void read_ranges(const formats::Hdf5Reader& file, Calibration& calibration) {
   }
   for (std::size_t k = 0; k < kind.size(); ++k) {
     Systematic systematic;
-    if (kind[k] != "dark" && kind[k] != "range") file.fail("/systematics/kind", "is unknown: " + kind[k]);
+    if (kind[k] != "dark" && kind[k] != "range")
+      file.fail("/systematics/kind", "is unknown: " + kind[k]);
     systematic.kind = kind[k] == "dark" ? Systematic::Kind::dark : Systematic::Kind::range;
     systematic.gain = concerned[k];
     for (std::size_t w = 0; w < shift.size(); ++w) {
@@ -278,7 +293,8 @@ void write_calibration(const std::filesystem::path& path, const Calibration& cal
   for (const std::string& group : groups) file.group(group);
   for (const auto& [name, column] : flat.numbers) {
     if (name.starts_with("/covariance/")) {
-      const auto side = static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(column.values.size()))));
+      const auto side = static_cast<std::size_t>(
+          std::lround(std::sqrt(static_cast<double>(column.values.size()))));
       file.matrix(name, column.values, side, side, column.unit);
     } else {
       file.column(name, column.values, column.unit);
@@ -291,7 +307,8 @@ void write_calibration(const std::filesystem::path& path, const Calibration& cal
 Calibration read_calibration(const std::filesystem::path& path) {
   const std::string bytes = formats::read_whole_file(path);
   if (!formats::looks_like_hdf5(bytes))
-    throw Error(Place{path.string()}, "is no calibration file", "give a file made by `umov calibrate`");
+    throw Error(Place{path.string()}, "is no calibration file",
+                "give a file made by `umov calibrate`");
   const formats::Hdf5Reader file(bytes, path.string());
   Calibration calibration;
   formats::read_h5_header(file, format_name, calibration.keys);
@@ -302,6 +319,7 @@ Calibration read_calibration(const std::filesystem::path& path) {
   };
   calibration.solid_angle_sr = one("/instrument/solid_angle_sr");
   calibration.shape_u = one("/instrument/reference_shape_u");
+  calibration.retro_shadow_deg = one("/instrument/retro_shadow_deg");
   calibration.ranges.tolerance = one("/instrument/range_tolerance");
   read_wavelengths(file, calibration);
   read_ranges(file, calibration);
@@ -314,7 +332,8 @@ Calibration read_calibration(const std::filesystem::path& path) {
     calibration.checks.push_back(
         {standard[k], wavelength[k], stated[k], computed[k], computed_u[k], used[k] != 0});
   Group inputs(file, "/inputs/");
-  const auto name = inputs.texts("name"), role = inputs.texts("role"), sha256 = inputs.texts("sha256");
+  const auto name = inputs.texts("name"), role = inputs.texts("role"),
+             sha256 = inputs.texts("sha256");
   for (std::size_t k = 0; k < name.size(); ++k)
     calibration.inputs.push_back({name[k], role[k], sha256[k]});
   calibration.notes = file.texts("/notes/text");

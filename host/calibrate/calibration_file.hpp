@@ -3,7 +3,8 @@
 // Layout: root attributes format = "umov cal h5", program, command, created, solid_angle_sr,
 // shape_u; /wavelengths/{…, one dataset a quantity}, /covariance/<nm> (matrices in the order ln C,
 // instrument-function coefficients, bias), /instrument_function/{degrees_<nm>,coefficients_<nm>},
-// /systematics/{kind,gain,shift_<nm>}, /dark, /ranges, /checks, /inputs, /header/{key,value}, /notes.
+// /systematics/{kind,gain,shift_<nm>}, /dark, /ranges, /checks, /inputs, /header/{key,value},
+// /notes.
 #pragma once
 
 #include <filesystem>

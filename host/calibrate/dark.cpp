@@ -106,9 +106,8 @@ Dark find_dark_of_dark_scan(const formats::ScanTable& scan, const NoiseModel& no
 Dark merge(const Dark& first, const Dark& second) {
   Dark result;
   for (const DarkLevel& level : first.levels)
-    result.levels.push_back(level.records == 0 && second.measured(level.gain)
-                                ? second.at(level.gain)
-                                : level);
+    result.levels.push_back(
+        level.records == 0 && second.measured(level.gain) ? second.at(level.gain) : level);
   for (const DarkLevel& level : second.levels)
     if (std::none_of(first.levels.begin(), first.levels.end(),
                      [&level](const DarkLevel& own) { return own.gain == level.gain; }))

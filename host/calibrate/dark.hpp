@@ -20,15 +20,16 @@ struct DarkLevel {
 
 struct Dark {
   std::vector<DarkLevel> levels;  ///< ascending range
-  /// The level of a range; ranges that were not measured get zero with the largest uncertainty known.
+  /// The level of a range; ranges that were not measured get zero with the largest uncertainty
+  /// known.
   DarkLevel at(double gain) const;
   bool measured(double gain) const;
 };
 
-/// Weighted means of the shutter-closed records of each range; the scatter between records widens the
-/// uncertainty where it exceeds the noise law. Ranges that occur in the scan without a closed record
-/// get zero; their uncertainty is the size of the mean quadrature signal of that range (an offset of
-/// the electronics shows there too) or its standard error, whichever is larger.
+/// Weighted means of the shutter-closed records of each range; the scatter between records widens
+/// the uncertainty where it exceeds the noise law. Ranges that occur in the scan without a closed
+/// record get zero; their uncertainty is the size of the mean quadrature signal of that range (an
+/// offset of the electronics shows there too) or its standard error, whichever is larger.
 Dark find_dark(const formats::ScanTable& scan, const ScanRows& set_up, const NoiseModel& noise);
 
 /// Dark of a scan of role `dark`: all of its rows count as closed.

@@ -200,7 +200,8 @@ std::vector<DhrDetail> add_dhr(formats::BrdfTable& table, const DhrOptions& opti
     const double phi = std::abs(std::remainder(points.phi_r_deg[i], 360.0));
     if (phi > 0.05 && phi < 179.95) continue;
     const double theta_r = phi > 90 ? -points.theta_r_deg[i] : points.theta_r_deg[i];
-    by_wavelength[points.wavelength_nm[i]][std::llround(theta_r * 1e4)].points[from][to].push_back(i);
+    by_wavelength[points.wavelength_nm[i]][std::llround(theta_r * 1e4)].points[from][to].push_back(
+        i);
     incidence[points.wavelength_nm[i]] = points.theta_i_deg[i];
   }
   std::vector<DhrDetail> details;

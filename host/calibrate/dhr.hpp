@@ -17,22 +17,23 @@ struct DhrOptions {
 struct DhrDetail {
   double wavelength_nm = 0, theta_i_deg = 0, dhr = 0;
   double noise_u = 0, shared_u = 0;
-  double quadrature_u = 0;     ///< half of the difference between spline and straight-line quadrature
-  double extrapolation = 0;    ///< part of dhr from beyond the largest |θr|
+  double quadrature_u = 0;   ///< half of the difference between spline and straight-line quadrature
+  double extrapolation = 0;  ///< part of dhr from beyond the largest |θr|
   double extrapolation_u = 0;
-  double polarisation_u = 0;   ///< only one incident polarisation was measured
-  std::string states;          ///< which states the profile was made of
+  double polarisation_u = 0;  ///< only one incident polarisation was measured
+  std::string states;         ///< which states the profile was made of
   double u() const;
 };
 
-/// Rotates the profile of an isotropic sample about its normal and integrates it. Unpolarised light: the
-/// open/open states, or the mean of P and S incidence; with only one of these 2 % of the result is
-/// added to the uncertainty. Fills `table.dhr`; nothing where no profile at normal incidence exists.
+/// Rotates the profile of an isotropic sample about its normal and integrates it. Unpolarised
+/// light: the open/open states, or the mean of P and S incidence; with only one of these 2 % of the
+/// result is added to the uncertainty. Fills `table.dhr`; nothing where no profile at normal
+/// incidence exists.
 std::vector<DhrDetail> add_dhr(formats::BrdfTable& table, const DhrOptions& options = {});
 
-/// Weights w with ∫ f cosθ |sinθ| dθ ≈ Σ w f(θ) over [θ_first, θ_last] for the natural cubic spline through
-/// the nodes (radians, ascending, signed); `straight` = piecewise straight lines instead. Two nodes or
-/// more.
+/// Weights w with ∫ f cosθ |sinθ| dθ ≈ Σ w f(θ) over [θ_first, θ_last] for the natural cubic spline
+/// through the nodes (radians, ascending, signed); `straight` = piecewise straight lines instead.
+/// Two nodes or more.
 std::vector<double> hemisphere_weights(const std::vector<double>& theta_rad, bool straight);
 
 }  // namespace umov::calibrate

@@ -31,10 +31,9 @@ DolpCount add_dolp(formats::BrdfTable& table) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (points.used[i] == 0 || !is_axis(points.polarizer_deg[i], 0)) continue;
     const auto rounded = [](double v) { return std::llround(v * 1e4); };
-    const std::array<long long, 4> key = {rounded(points.theta_i_deg[i]),
-                                          rounded(points.theta_r_deg[i]),
-                                          rounded(points.phi_r_deg[i]),
-                                          rounded(points.wavelength_nm[i])};
+    const std::array<long long, 4> key = {
+        rounded(points.theta_i_deg[i]), rounded(points.theta_r_deg[i]),
+        rounded(points.phi_r_deg[i]), rounded(points.wavelength_nm[i])};
     const auto [entry, fresh] = geometries.try_emplace(key);
     if (fresh) order.push_back(key);
     if (is_axis(points.analyzer_deg[i], 0)) entry->second.p.push_back(i);

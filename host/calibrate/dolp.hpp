@@ -13,8 +13,8 @@ struct DolpCount {
   std::size_t skipped = 0;   ///< no counterpart, or total below three times its uncertainty
 };
 
-/// Fills `table.dolp` from used points: (PP - PS)/PU with P incident. Repeats are averaged with their
-/// weights. `dolp_u` holds noise and shared factors (which cancel for the most part).
+/// Fills `table.dolp` from used points: (PP - PS)/PU with P incident. Repeats are averaged with
+/// their weights. `dolp_u` holds noise and shared factors (which cancel for the most part).
 DolpCount add_dolp(formats::BrdfTable& table);
 
 }  // namespace umov::calibrate

@@ -21,7 +21,9 @@ struct Level {
   double mean() const { return sum / weight; }
 };
 
-long long rounded(double value) { return std::isnan(value) ? -999999999LL : std::llround(value * 1e4); }
+long long rounded(double value) {
+  return std::isnan(value) ? -999999999LL : std::llround(value * 1e4);
+}
 
 /// ln(signal in range b / signal in range a) of one geometry.
 struct Comparison {
@@ -102,11 +104,12 @@ RangeErrors find_range_errors(std::span<const RangeInput> inputs, double toleran
   }
   std::vector<bool> seen(gain.size());
   for (Eigen::Index k = 0; k < n; ++k) seen[static_cast<std::size_t>(k)] = normal(k, k) > 0;
-  normal(0, 0) += 1e18;
+  constexpr double exact_weight = 1e18;  // of an error that is known to be zero
+  normal(0, 0) += exact_weight;
   for (Eigen::Index k = 1; k < n; ++k) {
     // Where data speak, the prior only ties ranges that have no link down to the lowest.
     const double width = seen[static_cast<std::size_t>(k)] ? 10.0 * tolerance : tolerance;
-    normal(k, k) += 1.0 / (width * width);
+    normal(k, k) += std::min(1.0 / (width * width), exact_weight);
   }
   const Eigen::LDLT<Eigen::MatrixXd> solver(normal);
   const Eigen::VectorXd error = solver.solve(right);

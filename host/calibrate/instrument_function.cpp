@@ -37,8 +37,7 @@ double InstrumentFunction::value(double theta_r_deg) const {
 Eigen::VectorXd InstrumentFunction::basis(double theta_r_deg) const {
   Eigen::VectorXd result(static_cast<Eigen::Index>(degrees.size()));
   for (std::size_t k = 0; k < degrees.size(); ++k)
-    result(static_cast<Eigen::Index>(k)) =
-        instrument_basis(degrees[k], theta_r_deg, reference_deg);
+    result(static_cast<Eigen::Index>(k)) = instrument_basis(degrees[k], theta_r_deg, reference_deg);
   return result;
 }
 

@@ -22,12 +22,13 @@ constexpr std::size_t enough_repeats = 10;
 /// Quantities a repeat must share, in units fine enough for any drive.
 using Geometry = std::array<long long, 6>;
 
-long long rounded(double value) { return std::isnan(value) ? -999999999LL : std::llround(value * 1e4); }
+long long rounded(double value) {
+  return std::isnan(value) ? -999999999LL : std::llround(value * 1e4);
+}
 
 Geometry geometry(const formats::ScanTable& scan, std::size_t i) {
-  return {rounded(scan.theta_i_deg[i]),   rounded(scan.theta_r_deg[i]),
-          rounded(scan.phi_r_deg[i]),     rounded(scan.polarizer_deg[i]),
-          rounded(scan.analyzer_deg[i]),  rounded(scan.gain[i])};
+  return {rounded(scan.theta_i_deg[i]),   rounded(scan.theta_r_deg[i]),  rounded(scan.phi_r_deg[i]),
+          rounded(scan.polarizer_deg[i]), rounded(scan.analyzer_deg[i]), rounded(scan.gain[i])};
 }
 
 double median(std::vector<double>& values) {
@@ -37,7 +38,8 @@ double median(std::vector<double>& values) {
 }
 
 /// Relative scatter of the monitor between neighbouring records of one light path: half the mean
-/// square of differences, which slow drift does not enter. Median-based, so that steps do not count.
+/// square of differences, which slow drift does not enter. Median-based, so that steps do not
+/// count.
 double monitor_scatter(const formats::ScanTable& scan, const ScanRows& set_up,
                        const std::vector<std::size_t>& rows) {
   std::vector<double> difference;
@@ -64,7 +66,8 @@ void fit_repeats(const formats::ScanTable& scan, const ScanRows& set_up,
                  const std::vector<std::size_t>& rows, NoiseModel::Entry& entry) {
   std::map<Geometry, std::vector<std::size_t>> groups;
   for (std::size_t i : rows)
-    if (set_up.row[i] == RowUse::plain && scan.monitor_v[i] > 0) groups[geometry(scan, i)].push_back(i);
+    if (set_up.row[i] == RowUse::plain && scan.monitor_v[i] > 0)
+      groups[geometry(scan, i)].push_back(i);
   struct Group {
     double sum_squares, fixed, signal;
     double dof;
@@ -75,7 +78,8 @@ void fit_repeats(const formats::ScanTable& scan, const ScanRows& set_up,
   for (const auto& [key, members] : groups) {
     if (members.size() < 2) continue;
     double monitor = 0, mean = 0;
-    for (std::size_t i : members) monitor += scan.monitor_v[i] / static_cast<double>(members.size());
+    for (std::size_t i : members)
+      monitor += scan.monitor_v[i] / static_cast<double>(members.size());
     for (std::size_t i : members)
       mean += scan.x_v[i] / scan.monitor_v[i] * monitor / static_cast<double>(members.size());
     double squares = 0;
@@ -85,14 +89,15 @@ void fit_repeats(const formats::ScanTable& scan, const ScanRows& set_up,
     }
     const double dof = static_cast<double>(members.size() - 1);
     entry.repeat_dof += members.size() - 1;
-    seen.push_back({squares, fixed_part.variance(mean, scan.gain[members[0]]), std::abs(mean), dof});
+    seen.push_back(
+        {squares, fixed_part.variance(mean, scan.gain[members[0]]), std::abs(mean), dof});
   }
   if (entry.repeat_dof < enough_repeats) return;
-  // One-parameter chi-square likelihood in c: Σ dof [s²/V + ln V], V = fixed + c S²; a spike is damped
-  // by capping its s²/V at 9. Repeats of weak signals alone say nothing of c: a broad prior (a factor
-  // of 7 in c) about what blocks and monitor say holds it then.
-  const double prior =
-      std::log(std::max({entry.x.relative2, entry.monitor_relative * entry.monitor_relative, 1e-10}));
+  // One-parameter chi-square likelihood in c: Σ dof [s²/V + ln V], V = fixed + c S²; a spike is
+  // damped by capping its s²/V at 9. Repeats of weak signals alone say nothing of c: a broad prior
+  // (a factor of 7 in c) about what blocks and monitor say holds it then.
+  const double prior = std::log(
+      std::max({entry.x.relative2, entry.monitor_relative * entry.monitor_relative, 1e-10}));
   double best = std::numeric_limits<double>::infinity();
   const auto deviance = [&seen, prior](double c) {
     const double away = (std::log(c) - prior) / 2.0;
@@ -113,7 +118,8 @@ void fit_repeats(const formats::ScanTable& scan, const ScanRows& set_up,
   for (int step = 0; step <= 250; ++step) consider(std::pow(10.0, -12.0 + 0.04 * step));
 }
 
-/// The voltages are whole numbers of ADC codes (a converter's result that was not averaged further).
+/// The voltages are whole numbers of ADC codes (a converter's result that was not averaged
+/// further).
 bool on_lattice(const formats::ScanTable& scan, double step_v) {
   std::size_t small = 0, off = 0;
   for (std::size_t i = 0; i < scan.size(); ++i) {

@@ -18,12 +18,12 @@ namespace umov::calibrate {
 
 /// Variance law of one lock-in channel at one wavelength. All coefficients >= 0.
 struct NoiseLaw {
-  double base_v2 = 0;      ///< V²
-  double adc_v2 = 0;       ///< V², at range 1; divided by the square of the range
-  double shot_v = 0;       ///< b, V
-  double relative2 = 0;    ///< r², 1
-  double dof = 9;          ///< degrees of freedom of a record's block scatter, estimated
-  std::size_t rows = 0;    ///< records used
+  double base_v2 = 0;        ///< V²
+  double adc_v2 = 0;         ///< V², at range 1; divided by the square of the range
+  double shot_v = 0;         ///< b, V
+  double relative2 = 0;      ///< r², 1
+  double dof = 9;            ///< degrees of freedom of a record's block scatter, estimated
+  std::size_t rows = 0;      ///< records used
   std::size_t outliers = 0;  ///< records whose scatter is far outside the law; not used
 
   /// Variance in V² of a record with signal `signal_v` (either sign) at amplifier range `gain`.
@@ -61,14 +61,15 @@ class NoiseModel {
   double variance_y(double wavelength_nm, double gain, double signal_v) const;
   /// Variance of x_v after division by the monitor, expressed at the signal, V². The relative term
   /// is the one seen between repeats where there are enough; else the larger of the block scatter's
-  /// and the monitor's (source noise that the monitor cancels cannot be told apart without repeats).
+  /// and the monitor's (source noise that the monitor cancels cannot be told apart without
+  /// repeats).
   double variance_normalised(double wavelength_nm, double gain, double signal_v) const;
 };
 
 /// Fits the law of each wavelength to the block scatter of all unsaturated records, shutter-closed
-/// ones included, by the gamma likelihood that squared standard errors follow; terms that the data do not
-/// ask for (corrected Akaike criterion) stay zero. Any number of rows from one up. Throws umov::Error where no unsaturated
-/// record is left.
+/// ones included, by the gamma likelihood that squared standard errors follow; terms that the data
+/// do not ask for (corrected Akaike criterion) stay zero. Any number of rows from one up. Throws
+/// umov::Error where no unsaturated record is left.
 NoiseModel fit_noise(const formats::ScanTable& scan, const NoiseOptions& options = {});
 
 /// The law that fits variances `v2` (V²) seen at signals and ranges; used by fit_noise.

@@ -1,5 +1,6 @@
-// Fit of the variance law to scaled chi-square variates: iteratively reweighted least squares, which
-// is Fisher scoring of the gamma likelihood with the identity link, over all subsets of the terms.
+// Fit of the variance law to scaled chi-square variates: iteratively reweighted least squares,
+// which is Fisher scoring of the gamma likelihood with the identity link, over all subsets of the
+// terms.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -38,8 +39,8 @@ double quantile(std::vector<double> values, double p) {
   return values[low] + (at - static_cast<double>(low)) * (values[high] - values[low]);
 }
 
-/// Mean of v2 among rows of similar signal (column 2 of the design): weights to start from. From equal
-/// weights the strongest signals rule and the iteration can run into negative floors.
+/// Mean of v2 among rows of similar signal (column 2 of the design): weights to start from. From
+/// equal weights the strongest signals rule and the iteration can run into negative floors.
 Eigen::VectorXd local_mean(const Eigen::MatrixXd& design, const Eigen::VectorXd& v2) {
   std::vector<Eigen::Index> order(static_cast<std::size_t>(v2.size()));
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Eigen::Index>(i);
@@ -114,8 +115,9 @@ Fit fit_subset(const Eigen::MatrixXd& design, const Eigen::VectorXd& v2,
   return fit;
 }
 
-/// Best subset by the corrected Akaike criterion with `dof` degrees of freedom a record (the log likelihood
-/// is -dof/2 deviance): a prediction is wanted, so a weak term rather stays; few rows get few terms.
+/// Best subset by the corrected Akaike criterion with `dof` degrees of freedom a record (the log
+/// likelihood is -dof/2 deviance): a prediction is wanted, so a weak term rather stays; few rows
+/// get few terms.
 Fit fit_best(const Eigen::MatrixXd& design, const Eigen::VectorXd& v2, double dof) {
   Fit best;
   double best_score = std::numeric_limits<double>::infinity();

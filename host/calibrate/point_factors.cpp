@@ -4,8 +4,8 @@
 #include <set>
 #include <string>
 
-#include <Eigen/Dense>
 #include <fmt/format.h>
+#include <Eigen/Dense>
 
 namespace umov::calibrate {
 
@@ -74,14 +74,16 @@ std::vector<Factor> point_factors(const formats::BrdfTable::Points& points,
     for (Eigen::Index k = 0; k < lower.cols(); ++k) {
       const Eigen::VectorXd shift = lower.col(k);
       collector.add(statistics_name(entry, k), [&](std::size_t i) {
-        return origin[i].wavelength == w ? points.brdf_per_sr[i] * collector.log_shift(i, shift) : 0.0;
+        return origin[i].wavelength == w ? points.brdf_per_sr[i] * collector.log_shift(i, shift)
+                                         : 0.0;
       });
     }
     if (entry.bias_active)
       collector.add(fmt::format("detector bias of open analyser {:g} nm", entry.wavelength_nm),
                     [&](std::size_t i) {
                       return origin[i].wavelength == w
-                                 ? -points.brdf_per_sr[i] * entry.detector_bias * origin[i].open_bias
+                                 ? -points.brdf_per_sr[i] * entry.detector_bias *
+                                       origin[i].open_bias
                                  : 0.0;
                     });
   }

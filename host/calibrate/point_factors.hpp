@@ -13,15 +13,16 @@ namespace umov::calibrate {
 struct PointOrigin {
   std::size_t wavelength = 0;  ///< number in the calibration
   double gain = 1;
-  double per_volt = 0;       ///< d f / d (true volts), 1/(sr V)
-  double bias_lever = 0;     ///< f was divided by 1 + δ lever
-  double open_bias = 0;      ///< unknown lever of an open analyser: one standard deviation of Q/I
-  bool own_dark = false;     ///< dark level measured in the scan itself
+  double per_volt = 0;    ///< d f / d (true volts), 1/(sr V)
+  double bias_lever = 0;  ///< f was divided by 1 + δ lever
+  double open_bias = 0;   ///< unknown lever of an open analyser: one standard deviation of Q/I
+  bool own_dark = false;  ///< dark level measured in the scan itself
 };
 
-/// Factors of the points of `table` (in the order of `origin`). Left out are those that nobody could
-/// see in these points: Σ (shift/u)² < .003 over all of them. Names: "gain 532 nm", "instrument function 532 nm 1" …, "detector bias 532 nm",
-/// "reference standard", "reference shape", "dark range 100", "scan dark range 100", "gain range 100".
+/// Factors of the points of `table` (in the order of `origin`). Left out are those that nobody
+/// could see in these points: Σ (shift/u)² < .003 over all of them. Names: "gain 532 nm",
+/// "instrument function 532 nm 1" …, "detector bias 532 nm", "reference standard", "reference
+/// shape", "dark range 100", "scan dark range 100", "gain range 100".
 std::vector<formats::BrdfTable::Factor> point_factors(const formats::BrdfTable::Points& points,
                                                       const std::vector<PointOrigin>& origin,
                                                       const Calibration& calibration,

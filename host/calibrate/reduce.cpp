@@ -27,8 +27,8 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// Dark of the scan itself where it has shutter-closed rows, else the calibration's. Where neither was
-/// measured, the scan's own estimate of the uncertainty stands.
+/// Dark of the scan itself where it has shutter-closed rows, else the calibration's. Where neither
+/// was measured, the scan's own estimate of the uncertainty stands.
 struct DarkChoice {
   DarkLevel level;
   bool own = false;
@@ -47,7 +47,9 @@ DarkChoice choose_dark(const Dark& own, const Dark& calibration, double gain) {
 using Key = std::array<long long, 5>;
 
 Key key_of(const formats::ScanTable& scan, std::size_t i) {
-  const auto rounded = [](double v) { return std::isnan(v) ? -999999999LL : std::llround(v * 1e4); };
+  const auto rounded = [](double v) {
+    return std::isnan(v) ? -999999999LL : std::llround(v * 1e4);
+  };
   return {rounded(scan.theta_i_deg[i]), rounded(scan.theta_r_deg[i]), rounded(scan.phi_r_deg[i]),
           rounded(scan.wavelength_nm[i]), rounded(scan.polarizer_deg[i])};
 }
@@ -65,16 +67,20 @@ std::map<Key, Analysed> analysed_signals(const formats::ScanTable& scan, const S
                                          const Calibration& calibration) {
   std::map<Key, Analysed> result;
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (set_up.row[i] != RowUse::plain || scan.saturated[i] != 0 || !(scan.monitor_v[i] > 0)) continue;
+    if (set_up.row[i] != RowUse::plain || scan.saturated[i] != 0 || !(scan.monitor_v[i] > 0))
+      continue;
     const double bias = calibration.at(scan.wavelength_nm[i]).detector_bias;
-    if (is_axis(scan.analyzer_deg[i], 90)) result[key_of(scan, i)].s = scan.x_v[i] / scan.monitor_v[i] / (1 + bias);
-    if (is_axis(scan.analyzer_deg[i], 0)) result[key_of(scan, i)].p = scan.x_v[i] / scan.monitor_v[i] / (1 - bias);
+    if (is_axis(scan.analyzer_deg[i], 90))
+      result[key_of(scan, i)].s = scan.x_v[i] / scan.monitor_v[i] / (1 + bias);
+    if (is_axis(scan.analyzer_deg[i], 0))
+      result[key_of(scan, i)].p = scan.x_v[i] / scan.monitor_v[i] / (1 - bias);
   }
   return result;
 }
 
 void check_scan(const formats::ScanTable& scan, const Calibration& calibration) {
-  if (scan.size() == 0) throw Error("the scan has no records", "give a scan with at least one record");
+  if (scan.size() == 0)
+    throw Error("the scan has no records", "give a scan with at least one record");
   if (calibration.wavelengths.empty())
     throw Error("the calibration is empty", "make it with `umov calibrate`");
   for (double wavelength : wavelengths_of(scan)) calibration.at(wavelength);
@@ -112,11 +118,11 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
   const Dark own_dark = find_dark(scan, set_up, noise);
   const double solid_angle = scan.number("solid_angle_sr").value_or(calibration.solid_angle_sr);
   if (!(solid_angle > 0))
-    throw Error(fmt::format("key `solid_angle_sr` is {:g}", solid_angle), "give it in sr, such as 1e-4");
+    throw Error(fmt::format("key `solid_angle_sr` is {:g}", solid_angle),
+                "give it in sr, such as 1e-4");
 
-  const bool any_bias =
-      std::any_of(calibration.wavelengths.begin(), calibration.wavelengths.end(),
-                  [](const WavelengthCalibration& w) { return w.bias_active; });
+  const bool any_bias = std::any_of(calibration.wavelengths.begin(), calibration.wavelengths.end(),
+                                    [](const WavelengthCalibration& w) { return w.bias_active; });
   const auto analysed =
       any_bias ? analysed_signals(scan, set_up, calibration) : std::map<Key, Analysed>{};
 
@@ -154,14 +160,16 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
     const InstrumentFunction& function = entry.instrument_function;
     const double theta_r = scan.theta_r_deg[i];
     const bool covered = function.covers(theta_r);
-    const double correction = function.value(std::clamp(theta_r, function.min_deg, function.max_deg));
+    const double correction =
+        function.value(std::clamp(theta_r, function.min_deg, function.max_deg));
 
     const double volts = (scan.x_v[i] - dark.level.x_v) * std::cos(entry.phase_rad) +
                          (scan.y_v[i] - dark.level.y_v) * std::sin(entry.phase_rad);
     o.per_volt = correction / (entry.gain_constant_v * solid_angle * scan.monitor_v[i] * cosine *
                                response * (1.0 + calibration.ranges.at(gain).error));
     const double f = volts * o.per_volt;
-    const double sd = std::sqrt(noise.variance_normalised(scan.wavelength_nm[i], gain, scan.x_v[i]));
+    const double sd =
+        std::sqrt(noise.variance_normalised(scan.wavelength_nm[i], gain, scan.x_v[i]));
     const double u = sd * o.per_volt;
 
     bool used = true;
@@ -171,6 +179,11 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
     }
     if (!covered && !options.extrapolate_instrument_function) {
       ++summary.outside_instrument_function;
+      used = false;
+    }
+    if (from_retro_deg(scan.theta_i_deg[i], theta_r, scan.phi_r_deg[i]) <
+        calibration.retro_shadow_deg - 1e-6) {
+      ++summary.in_shadow;
       used = false;
     }
     if (!(f > u)) {
@@ -202,13 +215,14 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
     summary.dolp = table.dolp.dolp.size();
     summary.dolp_skipped = count.skipped;
     if (count.measured + count.summed > 0)
-      table.keys.emplace_back("dolp_denominator", count.summed == 0     ? "measured PU"
-                                                  : count.measured == 0 ? "PP + PS"
-                                                                        : "measured PU, else PP + PS");
+      table.keys.emplace_back("dolp_denominator", count.summed == 0 ? "measured PU"
+                                                  : count.measured == 0
+                                                      ? "PP + PS"
+                                                      : "measured PU, else PP + PS");
     if (count.summed > 0)
-      summary.notes.push_back(fmt::format(
-          "{} of {} DOLP values are divided by PP + PS, as PU was not measured there", count.summed,
-          count.summed + count.measured));
+      summary.notes.push_back(
+          fmt::format("{} of {} DOLP values are divided by PP + PS, as PU was not measured there",
+                      count.summed, count.summed + count.measured));
   }
   if (options.dhr) {
     DhrOptions dhr_options;
@@ -217,10 +231,11 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
       table.keys.emplace_back(fmt::format("dhr_states_{:g}", detail.wavelength_nm), detail.states);
       table.keys.emplace_back(
           fmt::format("dhr_parts_{:g}", detail.wavelength_nm),
-          fmt::format("u: noise {:.2g}, calibration {:.2g}, quadrature {:.2g}, beyond the last angle "
-                      "{:.2g}, polarisation {:.2g}; {:.3g} of the value lies beyond the last angle",
-                      detail.noise_u, detail.shared_u, detail.quadrature_u, detail.extrapolation_u,
-                      detail.polarisation_u, detail.extrapolation));
+          fmt::format(
+              "u: noise {:.2g}, calibration {:.2g}, quadrature {:.2g}, beyond the last angle "
+              "{:.2g}, polarisation {:.2g}; {:.3g} of the value lies beyond the last angle",
+              detail.noise_u, detail.shared_u, detail.quadrature_u, detail.extrapolation_u,
+              detail.polarisation_u, detail.extrapolation));
     }
   }
   summarise(table, summary);

@@ -12,7 +12,8 @@
 namespace umov::calibrate {
 
 struct ReduceOptions {
-  /// Exit angles beyond what the standard covered are flagged; true = used with IF held at its edge.
+  /// Exit angles beyond what the standard covered are flagged; true = used with IF held at its
+  /// edge.
   bool extrapolate_instrument_function = false;
   /// |θi| up to this counts as normal incidence for the DHR.
   double normal_incidence_within_deg = 1.0;
@@ -21,10 +22,10 @@ struct ReduceOptions {
 
 struct ReduceSummary {
   std::size_t records = 0, points = 0, excluded = 0;
-  std::size_t saturated = 0, outside_instrument_function = 0, below_noise = 0;
+  std::size_t saturated = 0, outside_instrument_function = 0, below_noise = 0, in_shadow = 0;
   std::size_t dolp = 0, dolp_skipped = 0;
-  double median_relative_u = 0;         ///< of used points, independent part
-  double median_relative_total_u = 0;   ///< with the shared factors
+  double median_relative_u = 0;        ///< of used points, independent part
+  double median_relative_total_u = 0;  ///< with the shared factors
   std::vector<std::string> notes;
 };
 
@@ -33,8 +34,9 @@ struct Reduction {
   ReduceSummary summary;
 };
 
-/// f = (X cosφ + Y sinφ - dark) IF(θr) / ((1 + e_g) C ΔΩ monitor cosθr D) for every row of the plain set-up.
-/// `used` is 0 where the record is saturated, where IF is not known, or where the noise exceeds the
+/// f = (X cosφ + Y sinφ - dark) IF(θr) / ((1 + e_g) C ΔΩ monitor cosθr D) for every row of the
+/// plain set-up. `used` is 0 where the record is saturated, where IF is not known, where the
+/// detector may stand in the beam (Calibration::retro_shadow_deg), or where the noise exceeds the
 /// signal. `brdf_u` is the independent part (noise law of the scan, monitor included); all that the
 /// calibration couples stands in `factors`. Throws umov::Error where the wavelengths do not match.
 Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,

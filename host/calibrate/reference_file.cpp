@@ -93,7 +93,8 @@ formats::BrdfTable parse_csv(const std::string& text, const std::string& name) {
       for (const char* needed : {"theta_i_deg", "theta_r_deg", "wavelength_nm"})
         if (!columns.contains(needed))
           throw Error(Place{name, number}, fmt::format("the column `{}` is missing", needed),
-                      "name the columns theta_i_deg,theta_r_deg,wavelength_nm,brdf_per_sr in the first line");
+                      "name the columns theta_i_deg,theta_r_deg,wavelength_nm,brdf_per_sr in the "
+                      "first line");
       if (!columns.contains("brdf_per_sr") && !columns.contains("value"))
         throw Error(Place{name, number}, "the column `brdf_per_sr` is missing",
                     "give the standard's BRDF in 1/sr");

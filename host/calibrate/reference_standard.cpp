@@ -32,7 +32,7 @@ constexpr double typical_polarization = 0.01;
 
 /// Piecewise-linear curve; nullopt outside its nodes.
 std::optional<double> interpolate_linear(const std::map<double, double>& curve, double at,
-                                  double tolerance) {
+                                         double tolerance) {
   if (curve.empty()) return std::nullopt;
   auto high = curve.lower_bound(at);
   if (high == curve.end()) {
@@ -77,15 +77,18 @@ class ReferenceStandard::Table {
 
   explicit Table(const formats::BrdfTable& table) {
     const auto& p = table.points;
-    std::map<std::pair<long long, long long>, std::map<std::array<double, 3>, std::pair<double, int>>>
+    std::map<std::pair<long long, long long>,
+             std::map<std::array<double, 3>, std::pair<double, int>>>
         sums;
     for (std::size_t i = 0; i < p.size(); ++i) {
       if (p.used[i] == 0) continue;
       // Out-of-plane directions have no place on a signed in-plane curve.
       const double phi = std::remainder(p.phi_r_deg[i], 360.0);
       double theta_r = p.theta_r_deg[i];
-      if (std::abs(std::abs(phi) - 180.0) < angle_tolerance_deg) theta_r = -theta_r;
-      else if (std::abs(phi) >= angle_tolerance_deg) continue;
+      if (std::abs(std::abs(phi) - 180.0) < angle_tolerance_deg)
+        theta_r = -theta_r;
+      else if (std::abs(phi) >= angle_tolerance_deg)
+        continue;
       auto& cell = sums[state(p.polarizer_deg[i], p.analyzer_deg[i])]
                        [{p.wavelength_nm[i], p.theta_i_deg[i], theta_r}];
       cell.first += p.brdf_per_sr[i];
@@ -103,7 +106,9 @@ class ReferenceStandard::Table {
     return states_.contains(state(polarizer_deg, analyzer_deg));
   }
 
-  bool only_open() const { return states_.size() == 1 && has(formats::open_axis, formats::open_axis); }
+  bool only_open() const {
+    return states_.size() == 1 && has(formats::open_axis, formats::open_axis);
+  }
 
   std::optional<double> value(double theta_i, double theta_r, double wavelength, double polarizer,
                               double analyzer) const {
@@ -135,7 +140,9 @@ class ReferenceStandard::Table {
 
   static std::optional<double> at_incidence(const ByIncidence& table, double theta_i,
                                             double theta_r) {
-    const auto at = [&](const Curve& curve) { return interpolate_cubic(curve, theta_r, angle_tolerance_deg); };
+    const auto at = [&](const Curve& curve) {
+      return interpolate_cubic(curve, theta_r, angle_tolerance_deg);
+    };
     auto high = table.lower_bound(theta_i - angle_tolerance_deg);
     if (high == table.end()) return std::nullopt;
     if (high->first <= theta_i + angle_tolerance_deg) return at(high->second);
@@ -157,9 +164,10 @@ ReferenceStandard ReferenceStandard::from_keys(const formats::ScanTable& scan) {
     const std::string name = fmt::format("reference_dhr_{:g}", wavelength);
     const auto dhr = scan.number(name);
     if (!dhr)
-      throw Error(fmt::format("the white scan has no key `{}`", name),
-                  "state the standard's reflectance in the plan or the file (reference_dhr_<nm>), or "
-                  "give a table of its BRDF (reference_brdf)");
+      throw Error(
+          fmt::format("the white scan has no key `{}`", name),
+          "state the standard's reflectance in the plan or the file (reference_dhr_<nm>), or "
+          "give a table of its BRDF (reference_brdf)");
     if (!(*dhr > 0 && *dhr <= most_reflectance))
       throw Error(fmt::format("key `{}` is {:g}", name, *dhr),
                   "give the reflectance as a fraction, such as 0.99");
@@ -225,13 +233,14 @@ double ReferenceStandard::relative_u(double wavelength_nm) const {
   return 0;
 }
 
-bool ReferenceStandard::polarised() const { return table_ && !table_->only_open(); }
+bool ReferenceStandard::polarised() const {
+  return table_ && !table_->only_open();
+}
 
 double ReferenceStandard::shape(double theta_r_deg) {
   // Twice the integral of θ² sinθ cosθ over 0…90° is π²/8 - 1/2.
   constexpr double unit = 80.0 * std::numbers::pi / 180.0;
-  constexpr double mean =
-      (std::numbers::pi * std::numbers::pi / 8.0 - 0.5) / (unit * unit);
+  constexpr double mean = (std::numbers::pi * std::numbers::pi / 8.0 - 0.5) / (unit * unit);
   const double x = theta_r_deg / 80.0;
   return mean - x * x;
 }

@@ -11,9 +11,10 @@
 
 namespace umov::calibrate {
 
-/// A Lambertian standard of stated directional-hemispherical reflectance, or a tabulated one. A real
-/// standard is neither Lambertian nor free of polarisation: sintered PTFE at normal incidence falls
-/// from 1.06 (5 degrees) to .82 (80 degrees) of 1/pi and keeps some 3 % of linear polarisation.
+/// A Lambertian standard of stated directional-hemispherical reflectance, or a tabulated one. A
+/// real standard is neither Lambertian nor free of polarisation: sintered PTFE at normal incidence
+/// falls from 1.06 (5 degrees) to .82 (80 degrees) of 1/pi and keeps some 3 % of linear
+/// polarisation.
 class ReferenceStandard {
  public:
   /// From the header keys of the white scan: `reference_dhr_<nm>`, `reference_dhr_u` (absolute, one
@@ -25,18 +26,17 @@ class ReferenceStandard {
   static ReferenceStandard from_keys(const formats::ScanTable& scan);
 
   /// From a table of the standard's BRDF; `keys` of the scan give `reference_dhr_relative_u` (scale
-  /// of the table) or it is taken from the table's own uncertainties. Points of the states open/open
-  /// only mean a depolarising standard. Throws umov::Error for an empty table.
+  /// of the table) or it is taken from the table's own uncertainties. Points of the states
+  /// open/open only mean a depolarising standard. Throws umov::Error for an empty table.
   static ReferenceStandard from_table(const formats::BrdfTable& table,
                                       const formats::ScanTable& scan);
 
   bool tabulated() const { return table_ != nullptr; }
   /// BRDF in 1/sr seen by polariser and analyser (open_axis = open): half of the total behind an
-  /// analyser if the standard depolarises. Tables: interpolation linear in incidence and wavelength,
-  /// cubic in the exit angle; nullopt outside.
+  /// analyser if the standard depolarises. Tables: interpolation linear in incidence and
+  /// wavelength, cubic in the exit angle; nullopt outside.
   std::optional<double> brdf(double theta_i_deg, double theta_r_deg, double phi_r_deg,
-                             double wavelength_nm, double polarizer_deg,
-                             double analyzer_deg) const;
+                             double wavelength_nm, double polarizer_deg, double analyzer_deg) const;
   /// Stated reflectance; nullopt where only a table is known.
   std::optional<double> dhr(double wavelength_nm) const;
   /// Relative one-sigma uncertainty of the scale, common to all wavelengths.

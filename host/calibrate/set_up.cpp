@@ -1,18 +1,20 @@
 #include "host/calibrate/set_up.hpp"
 
-#include <array>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <string_view>
 
 #include <fmt/format.h>
 
+#include "host/optics/angles.hpp"
+
 namespace umov::calibrate {
 
 namespace {
 
-constexpr std::array<std::string_view, 7> plain_blocks = {"main",    "repeat", "oop",  "serpentine",
+constexpr std::array<std::string_view, 7> plain_blocks = {"main",    "repeat", "oop", "serpentine",
                                                           "reverse", "nd",     "pm45"};
 
 /// A setting that leaves the light path as it was calibrated.
@@ -52,13 +54,13 @@ ScanRows sort_rows(const formats::ScanTable& scan) {
     }
     if (rows == 0) continue;
     if (use == RowUse::changed)
-      result.notes.push_back(fmt::format(
-          "block `{}` (records {}-{}) has a changed set-up and is left out", block.name,
-          block.first, block.last));
+      result.notes.push_back(
+          fmt::format("block `{}` (records {}-{}) has a changed set-up and is left out", block.name,
+                      block.first, block.last));
     if (block.name == "nd")
-      result.notes.push_back(fmt::format(
-          "block `nd` (records {}-{}) is kept: the monitor sees the filter", block.first,
-          block.last));
+      result.notes.push_back(
+          fmt::format("block `nd` (records {}-{}) is kept: the monitor sees the filter",
+                      block.first, block.last));
   }
   // The column speaks for single rows outside of a block of that name.
   for (std::size_t i = 0; i < scan.size(); ++i)
@@ -67,6 +69,13 @@ ScanRows sort_rows(const formats::ScanTable& scan) {
     if (result.row[i] == RowUse::closed && scan.shutter_open[i] != 0)
       result.row[i] = RowUse::changed;  // a `shutter` block whose shutter was open is neither
   return result;
+}
+
+double from_retro_deg(double theta_i_deg, double theta_r_deg, double phi_r_deg) {
+  const double i = optics::radians(theta_i_deg), r = optics::radians(theta_r_deg);
+  const double cosine =
+      std::cos(i) * std::cos(r) - std::sin(i) * std::sin(r) * std::cos(optics::radians(phi_r_deg));
+  return optics::degrees(std::acos(std::clamp(cosine, -1.0, 1.0)));
 }
 
 }  // namespace umov::calibrate

@@ -1,5 +1,6 @@
 // Which rows of a scan were taken with the plain set-up, which with the shutter closed, and which
-// with something changed (a turned sample, an iris …) so that they are no measurement of the sample.
+// with something changed (a turned sample, an iris …) so that they are no measurement of the
+// sample.
 #pragma once
 
 #include <string>
@@ -24,5 +25,8 @@ struct ScanRows {
 /// Sorts the rows of `scan` by its blocks (menu names `flip`, `iris`, `long_pass`, `no_sample` and
 /// blocks with settings that change the light path are `changed`; unknown names too).
 ScanRows sort_rows(const formats::ScanTable& scan);
+
+/// Angle in degrees between an exit direction and the way back to the source.
+double from_retro_deg(double theta_i_deg, double theta_r_deg, double phi_r_deg);
 
 }  // namespace umov::calibrate

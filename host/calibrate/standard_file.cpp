@@ -18,10 +18,12 @@ StandardScan make_standard(formats::ScanTable scan, const std::filesystem::path&
   if (!table)
     if (const auto named = scan.key("reference_brdf")) {
       const std::filesystem::path file = *named;
-      table = file.is_absolute() || std::filesystem::exists(file) ? file : path.parent_path() / file;
+      table =
+          file.is_absolute() || std::filesystem::exists(file) ? file : path.parent_path() / file;
     }
-  StandardScan standard{scan, table ? ReferenceStandard::from_table(read_reference_table(*table), scan)
-                                    : ReferenceStandard::from_keys(scan),
+  StandardScan standard{scan,
+                        table ? ReferenceStandard::from_table(read_reference_table(*table), scan)
+                              : ReferenceStandard::from_keys(scan),
                         scan.key("sample").value_or(path.stem().string()),
                         formats::sha256_of_file(path)};
   return standard;

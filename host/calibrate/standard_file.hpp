@@ -8,10 +8,10 @@
 
 namespace umov::calibrate {
 
-/// Reads scan.h5 or Scan CSV. The standard's BRDF comes from `reference_table` where given, else from the
-/// file that the key `reference_brdf` names (absolute, or beside the scan), else from the keys
-/// `reference_dhr_<nm>`. Named after the key `sample`, or the file. Throws umov::Error where the role
-/// is another than `white`.
+/// Reads scan.h5 or Scan CSV. The standard's BRDF comes from `reference_table` where given, else
+/// from the file that the key `reference_brdf` names (absolute, or beside the scan), else from the
+/// keys `reference_dhr_<nm>`. Named after the key `sample`, or the file. Throws umov::Error where
+/// the role is another than `white`.
 StandardScan read_standard(const std::filesystem::path& path,
                            const std::optional<std::filesystem::path>& reference_table = {});
 

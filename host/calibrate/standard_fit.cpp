@@ -31,9 +31,8 @@ class Evaluator {
     log_gradient.col(0).setOnes();
     for (Eigen::Index i = 0; i < n; ++i)
       for (std::size_t k = 0; k < model.degrees.size(); ++k)
-        log_gradient(i, static_cast<Eigen::Index>(k) + 1) =
-            instrument_basis(model.degrees[k], rows[static_cast<std::size_t>(i)].theta_r_deg,
-                             model.reference_deg);
+        log_gradient(i, static_cast<Eigen::Index>(k) + 1) = instrument_basis(
+            model.degrees[k], rows[static_cast<std::size_t>(i)].theta_r_deg, model.reference_deg);
   }
 
   void at(const Eigen::VectorXd& parameters) {
@@ -180,6 +179,30 @@ StandardFit average(const std::vector<StandardFit>& fits, const std::vector<doub
 }
 
 }  // namespace
+
+double remove_gross(std::vector<StandardRow>& rows) {
+  constexpr double neighbourhood_deg = 12;
+  constexpr double retro_deg = 10;
+  std::vector<StandardRow> kept;
+  double dark = -1;
+  for (const StandardRow& row : rows) {
+    std::vector<double> near;
+    for (const StandardRow& other : rows)
+      if (std::abs(other.theta_r_deg - row.theta_r_deg) <= neighbourhood_deg)
+        near.push_back(other.signal_v / other.base);
+    const double relative = row.signal_v / row.base / median(near);
+    if (relative > 0.5 && relative < 2.0)
+      kept.push_back(row);
+    else if (relative <= 0.5 && row.from_retro_deg < retro_deg)
+      dark = std::max(dark, row.from_retro_deg);
+  }
+  rows = std::move(kept);
+  if (dark < 0) return 0;
+  double good = retro_deg;
+  for (const StandardRow& row : rows)
+    if (row.from_retro_deg > dark) good = std::min(good, row.from_retro_deg);
+  return good;
+}
 
 StandardFit fit_standard(const std::vector<StandardRow>& rows, const StandardModel& model) {
   if (auto fit = try_fit(rows, model)) return *std::move(fit);

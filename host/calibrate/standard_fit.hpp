@@ -1,4 +1,5 @@
-// Weighted fit of gain, instrument function and detector bias to a standard's records at one wavelength.
+// Weighted fit of gain, instrument function and detector bias to a standard's records at one
+// wavelength.
 #pragma once
 
 #include <vector>
@@ -9,12 +10,13 @@ namespace umov::calibrate {
 
 /// One record of the standard, ready for the fit.
 struct StandardRow {
-  double signal_v = 0;    ///< dark-subtracted, rotated in phase, range error taken out
-  double variance = 1;    ///< V², monitor included
-  double base = 0;        ///< f cosθr ΔΩ monitor of the standard: the signal is C base /IF …
+  double signal_v = 0;  ///< dark-subtracted, rotated in phase, range error taken out
+  double variance = 1;  ///< V², monitor included
+  double base = 0;      ///< f cosθr ΔΩ monitor of the standard: the signal is C base /IF …
   double theta_r_deg = 0;
+  double from_retro_deg = 90;  ///< angle between exit direction and the way back to the source
   double gain = 1;
-  double bias_lever = 0;  ///< the signal goes with 1 + δ lever
+  double bias_lever = 0;       ///< the signal goes with 1 + δ lever
   double retention_lever = 0;  ///< and with 1 + m lever, m the polarisation that the standard keeps
 };
 
@@ -22,7 +24,7 @@ struct StandardModel {
   std::vector<int> degrees;  ///< of the instrument function
   double reference_deg = 0;
   bool bias = false;
-  double retention_u = 0;    ///< prior of m, one sigma; 0 = m is not fitted
+  double retention_u = 0;  ///< prior of m, one sigma; 0 = m is not fitted
 };
 
 /// Parameters: ln C, instrument-function coefficients, δ (if fitted), m (if fitted).
@@ -35,15 +37,22 @@ struct StandardFit {
   double chi2 = 0, dof = 0;
 };
 
-/// Gauss–Newton from a robust start; the model is log-linear but for δ and m. Throws umov::Error where the rows
-/// cannot determine the parameters.
+/// Takes out rows whose signal is less than half or more than twice that of their neighbours (a
+/// detector in the beam's way, a reflection): no instrument function does that, and no least
+/// squares survives it. Returns the angle about the retro direction within which records were dark,
+/// up to the nearest good one; 0 where none was.
+double remove_gross(std::vector<StandardRow>& rows);
+
+/// Gauss–Newton from a robust start; the model is log-linear but for δ and m. Throws umov::Error
+/// where the rows cannot determine the parameters.
 StandardFit fit_standard(const std::vector<StandardRow>& rows, const StandardModel& model);
 
-/// The instrument function by evidence: all polynomials up to `max_degree`, full and even ones (even
-/// ones only where `two_sided` is false), averaged with their posterior probabilities by BIC; a constant one has
-/// prior probability 1/2. Picking the best single order instead would hide that the data cannot
-/// quite tell (measured: gains off by more than stated in one case of ten). The covariance holds the
-/// spread between orders. Residual scatter beyond the noise, of the richest model, counts as noise.
+/// The instrument function by evidence: all polynomials up to `max_degree`, full and even ones
+/// (even ones only where `two_sided` is false), averaged with their posterior probabilities by BIC;
+/// a constant one has prior probability 1/2. Picking the best single order instead would hide that
+/// the data cannot quite tell (measured: gains off by more than stated in one case of ten). The
+/// covariance holds the spread between orders. Residual scatter beyond the noise, of the richest
+/// model, counts as noise.
 StandardFit choose_instrument_function(const std::vector<StandardRow>& rows, StandardModel model,
                                        int max_degree, bool two_sided);
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "host/calibrate/calibration.hpp"
@@ -53,8 +53,10 @@ Inputs read_inputs(const Options& options) {
     if (role == "white") {
       inputs.standards.push_back(calibrate::make_standard(std::move(scan), file, table));
     } else if (role == "dark" || role == "mirror") {
-      inputs.others.push_back({scan.key("sample").value_or(file), role, formats::sha256_of_file(file)});
-      if (role == "dark") inputs.dark.push_back(std::move(scan));
+      inputs.others.push_back(
+          {scan.key("sample").value_or(file), role, formats::sha256_of_file(file)});
+      if (role == "dark")
+        inputs.dark.push_back(std::move(scan));
       else
         inputs.notes.push_back(fmt::format(
             "{}: mirror scans are recorded, but polariser axes are not derived from them", file));
@@ -100,11 +102,13 @@ void print_text(const calibrate::Calibration& calibration) {
              "u ref.", "IF", "theta_r [deg]", "phase [deg]", "chi2/dof");
   for (const auto& w : calibration.wavelengths) {
     const Spread spread = spread_of(w.instrument_function);
-    fmt::print("{:>7g} {:>11.4f} {:>7.2g}% {:>7.2g}% {:>8.4f}-{:<8.4f} {:>6g}..{:<5g} {:>12.4f} {:>9.2f}\n",
-               w.wavelength_nm, w.gain_constant_v, 100 * std::sqrt(w.covariance(0, 0)),
-               100 * w.reference_relative_u, spread.low, spread.high,
-               w.instrument_function.min_deg, w.instrument_function.max_deg,
-               optics::degrees(w.phase_rad), w.dof > 0 ? w.chi2 / w.dof : 0.0);
+    fmt::print(
+        "{:>7g} {:>11.4f} {:>7.2g}% {:>7.2g}% {:>8.4f}-{:<8.4f} {:>6g}..{:<5g} {:>12.4f} "
+        "{:>9.2f}\n",
+        w.wavelength_nm, w.gain_constant_v, 100 * std::sqrt(w.covariance(0, 0)),
+        100 * w.reference_relative_u, spread.low, spread.high, w.instrument_function.min_deg,
+        w.instrument_function.max_deg, optics::degrees(w.phase_rad),
+        w.dof > 0 ? w.chi2 / w.dof : 0.0);
     if (w.bias_active)
       fmt::print("        detector polarisation bias {:+.4f} +- {:.4f} is applied\n",
                  w.detector_bias, w.detector_bias_u);
@@ -113,7 +117,8 @@ void print_text(const calibrate::Calibration& calibration) {
     fmt::print("\nDHR of the standards\n{:<20} {:>7} {:>8} {:>17} {:>8}\n", "standard", "nm",
                "stated", "computed", "diff.");
   for (const auto& check : calibration.checks)
-    fmt::print("{:<20} {:>7g} {:>8} {:>8.4f} +-{:>6.4f} {:>8}{}\n", check.standard, check.wavelength_nm,
+    fmt::print("{:<20} {:>7g} {:>8} {:>8.4f} +-{:>6.4f} {:>8}{}\n", check.standard,
+               check.wavelength_nm,
                std::isnan(check.stated) ? "-" : fmt::format("{:.4f}", check.stated), check.computed,
                check.computed_u,
                std::isnan(check.stated)
@@ -137,6 +142,7 @@ nlohmann::json number(double value) {
 nlohmann::json to_json(const calibrate::Calibration& calibration, const std::string& file) {
   nlohmann::json out{{"file", file},
                      {"solid_angle_sr", calibration.solid_angle_sr},
+                     {"retro_shadow_deg", calibration.retro_shadow_deg},
                      {"wavelengths", nlohmann::json::array()},
                      {"checks", nlohmann::json::array()},
                      {"ranges", nlohmann::json::array()},
@@ -144,27 +150,26 @@ nlohmann::json to_json(const calibrate::Calibration& calibration, const std::str
                      {"notes", calibration.notes}};
   for (const auto& w : calibration.wavelengths) {
     const Spread spread = spread_of(w.instrument_function);
-    out["wavelengths"].push_back(
-        {{"wavelength_nm", w.wavelength_nm},
-         {"gain_constant_v", w.gain_constant_v},
-         {"gain_constant_relative_u", std::sqrt(w.covariance(0, 0))},
-         {"reference_relative_u", w.reference_relative_u},
-         {"instrument_function",
-          {{"min", spread.low},
-           {"max", spread.high},
-           {"theta_r_min_deg", w.instrument_function.min_deg},
-           {"theta_r_max_deg", w.instrument_function.max_deg},
-           {"legendre_degrees", w.instrument_function.degrees},
-           {"coefficients", w.instrument_function.coefficients}}},
-         {"phase_deg", optics::degrees(w.phase_rad)},
-         {"phase_u_deg", optics::degrees(w.phase_u_rad)},
-         {"detector_bias", w.detector_bias},
-         {"detector_bias_u", w.detector_bias_u},
-         {"detector_bias_applied", w.bias_active},
-         {"records", w.records},
-         {"rejected", w.rejected},
-         {"chi2", w.chi2},
-         {"degrees_of_freedom", w.dof}});
+    out["wavelengths"].push_back({{"wavelength_nm", w.wavelength_nm},
+                                  {"gain_constant_v", w.gain_constant_v},
+                                  {"gain_constant_relative_u", std::sqrt(w.covariance(0, 0))},
+                                  {"reference_relative_u", w.reference_relative_u},
+                                  {"instrument_function",
+                                   {{"min", spread.low},
+                                    {"max", spread.high},
+                                    {"theta_r_min_deg", w.instrument_function.min_deg},
+                                    {"theta_r_max_deg", w.instrument_function.max_deg},
+                                    {"legendre_degrees", w.instrument_function.degrees},
+                                    {"coefficients", w.instrument_function.coefficients}}},
+                                  {"phase_deg", optics::degrees(w.phase_rad)},
+                                  {"phase_u_deg", optics::degrees(w.phase_u_rad)},
+                                  {"detector_bias", w.detector_bias},
+                                  {"detector_bias_u", w.detector_bias_u},
+                                  {"detector_bias_applied", w.bias_active},
+                                  {"records", w.records},
+                                  {"rejected", w.rejected},
+                                  {"chi2", w.chi2},
+                                  {"degrees_of_freedom", w.dof}});
   }
   for (const auto& check : calibration.checks)
     out["checks"].push_back({{"standard", check.standard},
@@ -198,7 +203,8 @@ void run(const Options& options, const Common& common) {
   settings.bias = options.bias == "on"    ? calibrate::CalibrateOptions::Bias::on
                   : options.bias == "off" ? calibrate::CalibrateOptions::Bias::off
                                           : calibrate::CalibrateOptions::Bias::automatic;
-  calibrate::Calibration calibration = calibrate::calibrate(inputs.standards, inputs.dark, settings);
+  calibrate::Calibration calibration =
+      calibrate::calibrate(inputs.standards, inputs.dark, settings);
   calibration.inputs.insert(calibration.inputs.end(), inputs.others.begin(), inputs.others.end());
   calibration.notes.insert(calibration.notes.end(), inputs.notes.begin(), inputs.notes.end());
   formats::Provenance provenance;
@@ -219,23 +225,32 @@ void run(const Options& options, const Common& common) {
 
 void add_calibrate_command(CLI::App& root, const Common& common) {
   auto options = std::make_shared<Options>();
-  auto* command = root.add_subcommand("calibrate", "Gain and instrument function from scans of standards");
-  command->add_option("scans", options->files,
-                      "scans (scan.h5 or .csv) of role white, dark or mirror; the first white one fixes the gain")
+  auto* command =
+      root.add_subcommand("calibrate", "Gain and instrument function from scans of standards");
+  command
+      ->add_option("scans", options->files,
+                   "scans (scan.h5 or .csv) of role white, dark or mirror; the first white one "
+                   "fixes the gain")
       ->required();
-  command->add_option("-o,--output", options->output, "calibration file to write (cal.h5)")->required();
-  command->add_option("--standard", options->standard, "name (key `sample`) of the white standard that fixes the gain");
+  command->add_option("-o,--output", options->output, "calibration file to write (cal.h5)")
+      ->required();
+  command->add_option("--standard", options->standard,
+                      "name (key `sample`) of the white standard that fixes the gain");
   command->add_option("--reference-brdf", options->reference_brdf,
                       "table of the standard's own BRDF: brdf.h5, CSV or the NIST PTFE table");
-  command->add_option("--detector-bias", options->bias,
-                      "polarisation bias of the detector: auto applies it where it is significant")
+  command
+      ->add_option("--detector-bias", options->bias,
+                   "polarisation bias of the detector: auto applies it where it is significant")
       ->check(CLI::IsMember({"auto", "on", "off"}))
       ->capture_default_str();
-  command->add_option("--max-degree", options->max_degree, "highest degree of the instrument function, 0 = it is one")
+  command
+      ->add_option("--max-degree", options->max_degree,
+                   "highest degree of the instrument function, 0 = it is one")
       ->check(CLI::Range(0, 16))
       ->capture_default_str();
-  command->add_option("--range-tolerance", options->range_tolerance,
-                      "relative uncertainty of amplifier ranges that no overlap fixes")
+  command
+      ->add_option("--range-tolerance", options->range_tolerance,
+                   "relative uncertainty of amplifier ranges that no overlap fixes")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command->footer(

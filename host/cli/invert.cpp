@@ -19,6 +19,7 @@
 #include "host/formats/sha256.hpp"
 #include "host/invert/invert.hpp"
 #include "host/invert/prediction.hpp"
+#include "host/invert/row_selection.hpp"
 
 namespace umov::cli {
 namespace {
@@ -26,7 +27,7 @@ namespace {
 struct Arguments {
   std::string input;
   std::string output = "fit.json";
-  std::vector<std::string> fix, start, bound;
+  std::vector<std::string> fix, start, bound, rows;
   std::string objective = "noise";
   bool no_held_out = false;
   bool list_start = false;
@@ -211,6 +212,29 @@ void write_hemispheres(const Arguments& arguments, const formats::FitResult& fit
   }
 }
 
+void print_prediction(const std::vector<invert::PredictionError>& errors) {
+  if (errors.empty()) return;
+  fmt::print("relative error of the model (median and 90th percentile of its size, signed mean)\n");
+  for (const auto& e : errors) {
+    fmt::print("  {:<9} {:>6g} nm {:>7} points  {:>6.2f} %  {:>6.2f} %  {:>+6.2f} %\n", e.set, e.wavelength_nm,
+               e.points, 100 * e.median_abs, 100 * e.p90_abs, 100 * e.mean);
+  }
+}
+
+nlohmann::ordered_json prediction_json(const std::vector<std::string>& rows,
+                                       const std::vector<invert::PredictionError>& errors) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const auto& e : errors) {
+    list.push_back({{"set", e.set},
+                    {"wavelength_nm", e.wavelength_nm},
+                    {"points", e.points},
+                    {"median_abs_relative", e.median_abs},
+                    {"p90_abs_relative", e.p90_abs},
+                    {"mean_relative", e.mean}});
+  }
+  return {{"fitted_rows", rows}, {"errors", list}};
+}
+
 void run(Arguments& arguments, const Common& common) {
   if (!arguments.hemisphere.empty() && !arguments.hemisphere.ends_with(".csv") &&
       !arguments.hemisphere.ends_with(".h5")) {
@@ -243,7 +267,11 @@ void run(Arguments& arguments, const Common& common) {
   options.progress = [&](double share, const std::string& stage) {
     progress.update(share, 1.0, stage);
   };
-  formats::FitResult fit = invert::invert(file.table, options);
+  std::vector<invert::RowCondition> conditions;
+  for (const std::string& text : arguments.rows) conditions.push_back(invert::parse_row_condition(text));
+  const formats::BrdfTable selected =
+      conditions.empty() ? file.table : invert::select_rows(file.table, conditions);
+  formats::FitResult fit = invert::invert(selected, options);
   progress.finish();
   fit.data_file = arguments.input;
   fit.data_sha256 = formats::sha256_of_file(arguments.input);
@@ -251,6 +279,13 @@ void run(Arguments& arguments, const Common& common) {
   fit.command = common.command_line;
 
   std::string text = formats::fit_to_json(fit);
+  std::vector<invert::PredictionError> errors;
+  if (!conditions.empty()) {
+    errors = invert::prediction_errors(fit, file.table, selected);
+    auto json = nlohmann::ordered_json::parse(text);
+    json["prediction"] = prediction_json(arguments.rows, errors);
+    text = json.dump(1) + "\n";
+  }
   if (arguments.residuals) {
     auto json = nlohmann::ordered_json::parse(text);
     const invert::Prediction prediction = invert::predict(fit, file.table);
@@ -268,6 +303,7 @@ void run(Arguments& arguments, const Common& common) {
     fmt::print("{}", text);
   } else if (!common.quiet) {
     print_fit(fit, arguments.output);
+    print_prediction(errors);
   }
 }
 
@@ -292,6 +328,9 @@ void add_invert_command(CLI::App& root, const Common& common) {
   repeat("--fix", a->fix, "hold NAME=VALUE, or NAME@NM=VALUE at one wavelength; repeatable");
   repeat("--bound", a->bound, "limits NAME=LO:HI, or NAME@NM=LO:HI; repeatable");
   repeat("--start", a->start, "start at NAME=VALUE, or NAME@NM=VALUE; repeatable");
+  repeat("--rows", a->rows,
+         "fit only these points and tell how well the rest is foretold: in-plane, theta_i_deg=30,45, "
+         "theta_r_deg=-60:60, wavelength_nm!=532; repeatable");
   command
       ->add_option("--objective", a->objective,
                    "noise: weighted by the uncertainties; paper: relative deviations by BFGS")

@@ -3,8 +3,8 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "host/calibrate/calibration_file.hpp"
@@ -45,7 +45,8 @@ calibrate::Calibration find_calibration(const Options& options, const formats::S
     }
     if (!scan.number(fmt::format("gain_constant_{:g}", scan.wavelength_nm.front())))
       throw Error(Place{options.scan},
-                  fmt::format("the white scan `{}` that the key `reference` names is not there", *reference),
+                  fmt::format("the white scan `{}` that the key `reference` names is not there",
+                              *reference),
                   "put it beside the scan, or give --calibration FILE");
   }
   origin = "header keys of the scan";
@@ -58,19 +59,24 @@ void print_text(const calibrate::Reduction& reduction, const std::string& origin
   fmt::print("calibration: {}\n", origin);
   fmt::print("{} records: {} points, {} left out (changed set-up or shutter closed)\n", s.records,
              s.points, s.excluded);
-  fmt::print("flagged: {} saturated, {} beyond the standard's exit angles, {} below the noise\n",
-             s.saturated, s.outside_instrument_function, s.below_noise);
+  fmt::print(
+      "flagged: {} saturated, {} beyond the standard's exit angles, {} in the detector's shadow, "
+      "{} below the noise\n",
+      s.saturated, s.outside_instrument_function, s.in_shadow, s.below_noise);
   fmt::print("median relative u: {:.3g} % noise, {:.3g} % with {} shared factors\n",
              100 * s.median_relative_u, 100 * s.median_relative_total_u,
              reduction.table.factors.size());
   fmt::print("DOLP: {} values\n", s.dolp);
   const auto& dhr = reduction.table.dhr;
-  if (!dhr.dhr.empty()) fmt::print("\n{:>7} {:>12} {:>8} {:>8}\n", "nm", "theta_i [deg]", "DHR", "u");
+  if (!dhr.dhr.empty())
+    fmt::print("\n{:>7} {:>12} {:>8} {:>8}\n", "nm", "theta_i [deg]", "DHR", "u");
   for (std::size_t k = 0; k < dhr.dhr.size(); ++k)
     fmt::print("{:>7g} {:>12g} {:>8.4f} {:>8.4f}\n", dhr.wavelength_nm[k], dhr.theta_i_deg[k],
                dhr.dhr[k], dhr.dhr_u[k]);
   if (dhr.dhr.empty())
-    fmt::print("DHR: none (needs an in-plane scan at normal incidence; `umov invert` gives it otherwise)\n");
+    fmt::print(
+        "DHR: none (needs an in-plane scan at normal incidence; `umov invert` gives it "
+        "otherwise)\n");
   for (const std::string& note : s.notes) fmt::print("note: {}\n", note);
   fmt::print("\n{} written\n", output);
 }
@@ -93,6 +99,7 @@ nlohmann::json to_json(const calibrate::Reduction& reduction, const std::string&
           {"excluded", s.excluded},
           {"saturated", s.saturated},
           {"outside_instrument_function", s.outside_instrument_function},
+          {"in_shadow", s.in_shadow},
           {"below_noise", s.below_noise},
           {"median_relative_u", s.median_relative_u},
           {"median_relative_total_u", s.median_relative_total_u},
@@ -135,10 +142,12 @@ void add_reduce_command(CLI::App& root, const Common& common) {
                       "cal.h5; without it the white scan named by the key `reference`, else the "
                       "keys gain_constant_<nm> and solid_angle_sr");
   command->add_option("-o,--output", options->output, "file to write (brdf.h5)")->required();
-  command->add_flag("--extrapolate", options->reduce.extrapolate_instrument_function,
-                    "use exit angles beyond the standard's with the instrument function of its edge");
-  command->add_option("--normal-within-deg", options->reduce.normal_incidence_within_deg,
-                      "incidence up to this counts as normal for the DHR")
+  command->add_flag(
+      "--extrapolate", options->reduce.extrapolate_instrument_function,
+      "use exit angles beyond the standard's with the instrument function of its edge");
+  command
+      ->add_option("--normal-within-deg", options->reduce.normal_incidence_within_deg,
+                   "incidence up to this counts as normal for the DHR")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
   command->footer(

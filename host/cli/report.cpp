@@ -1,7 +1,7 @@
 // umov report: one self-contained page from scans, calibrations, measurements and fits.
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -45,10 +45,13 @@ void run(const Arguments& arguments, const Common& common) {
 void add_report_command(CLI::App& root, const Common& common) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = root.add_subcommand("report", "Write one HTML page with interactive figures");
-  command->add_option("files", arguments->files, "scan.h5 or Scan CSV, cal.h5, brdf.h5, fit.json; any number, any order")
+  command
+      ->add_option("files", arguments->files,
+                   "scan.h5 or Scan CSV, cal.h5, brdf.h5, fit.json; any number, any order")
       ->required();
   command->add_option("-o,--output", arguments->output, "page to write")->capture_default_str();
-  command->add_option("--title", arguments->title, "title of the page (default: the samples' names)");
+  command->add_option("--title", arguments->title,
+                      "title of the page (default: the samples' names)");
   command->callback([arguments, &common] { run(*arguments, common); });
 }
 

@@ -33,7 +33,7 @@ struct ProgramOptions {
   std::uint32_t records_per_secure = 16;  ///< records taken before secure() is called (fewer when
                                           ///< the device's memory turns out smaller) …
   std::chrono::milliseconds secure_after{10000};  ///< … unless the first of them waits this long
-  std::chrono::milliseconds resend_after{200};    ///< silence after which rows or acks are repeated
+  std::chrono::milliseconds resend_after{500};    ///< silence after which rows or acks are repeated
 };
 
 /// What went over the link beyond the necessary.

@@ -80,6 +80,10 @@ class UnitPrior final : public ceres::CostFunction {
   int size_;
 };
 
+/// A coordinate within this share of its range from a limit counts as on it, and starts go no
+/// nearer.
+constexpr double limit_share = 1e-6;
+
 /// (P12) over z in (−∞, ∞) with x = lo + (hi − lo)/(1 + e^−z).
 class PaperObjective final : public ceres::FirstOrderFunction {
  public:
@@ -101,7 +105,8 @@ class PaperObjective final : public ceres::FirstOrderFunction {
     for (std::size_t i = 0; i < z.size(); ++i) {
       const Coordinate& k = layout_.free()[i].coordinate;
       // A start on a limit would have a vanishing gradient.
-      const double share = std::clamp((x[i] - k.lo_x()) / (k.hi_x() - k.lo_x()), 1e-6, 1 - 1e-6);
+      const double share =
+          std::clamp((x[i] - k.lo_x()) / (k.hi_x() - k.lo_x()), limit_share, 1 - limit_share);
       z[i] = std::log(share / (1 - share));
     }
     return z;
@@ -290,7 +295,18 @@ Solution paper_bfgs(const Layout& layout, const Observations& data, std::vector<
   ceres::Solve(options, problem, z.data(), &summary);
   Solution out;
   out.x = objective->to_x(z.data());
-  out.objective = summary.final_cost;
+  // The logistic only tends to its limits: what has come this close is there.
+  for (std::size_t i = 0; i < out.x.size(); ++i) {
+    const Coordinate& k = layout.free()[i].coordinate;
+    const double share = (out.x[i] - k.lo_x()) / (k.hi_x() - k.lo_x());
+    if (share < limit_share) out.x[i] = k.lo_x();
+    if (share > 1 - limit_share) out.x[i] = k.hi_x();
+  }
+  for (std::size_t w = 0; w < data.spectra.size(); ++w) {
+    out.objective +=
+        residuals(layout, data, w, out.x, {}, {.relative = true}, false).r.squaredNorm() /
+        static_cast<double>(data.spectra.size());
+  }
   out.iterations = static_cast<int>(summary.iterations.size());
   out.converged = summary.termination_type == ceres::CONVERGENCE;
   return out;

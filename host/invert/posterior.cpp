@@ -117,7 +117,19 @@ Posterior::Posterior(const Layout& layout, const Observations& data, const Solut
     // Relative deviations are not weighed by their noise: variance M (Jᵀ V J) M with M = (JᵀJ)⁻¹,
     // directions that relative deviations do not see keep the range.
     const Linearisation flat = linearise(layout, data, solution.x, c, {.relative = true});
-    const Eigen::MatrixXd j = flat.by_x * range.asDiagonal();
+    // A parameter pressed against a limit stays there whatever the noise: the others move without
+    // it, and its own interval is the one-sided one of the noise-weighted information.
+    Eigen::VectorXd span = range;
+    std::vector<Eigen::Index> pressed;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto free = static_cast<std::size_t>(i);
+      const Coordinate& k = layout.free()[free].coordinate;
+      if (x_[free] > k.lo_x() && x_[free] < k.hi_x()) continue;
+      span[i] = 0;
+      pressed.push_back(i);
+    }
+    const Eigen::VectorXd own = covariance_.diagonal();
+    const Eigen::MatrixXd j = flat.by_x * span.asDiagonal();
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(j, Eigen::ComputeThinU | Eigen::ComputeThinV);
     Eigen::VectorXd inverse(n), unseen(n);
     for (Eigen::Index i = 0; i < n; ++i) {
@@ -125,7 +137,7 @@ Posterior::Posterior(const Layout& layout, const Observations& data, const Solut
       inverse[i] = seen ? 1 / svd.singularValues()[i] : 0;
       unseen[i] = seen ? 0 : 1;
     }
-    const Eigen::MatrixXd gain = range.asDiagonal() * svd.matrixV() * inverse.asDiagonal() *
+    const Eigen::MatrixXd gain = span.asDiagonal() * svd.matrixV() * inverse.asDiagonal() *
                                  svd.matrixU().transpose();  // dx per unit of relative deviation
     Eigen::VectorXd noise(j.rows());
     Eigen::Index row = 0;
@@ -135,7 +147,7 @@ Posterior::Posterior(const Layout& layout, const Observations& data, const Solut
       }
     }
     const Eigen::MatrixXd by_noise = gain * noise.asDiagonal();
-    const Eigen::MatrixXd open = range.asDiagonal() * svd.matrixV() * unseen.asDiagonal();
+    const Eigen::MatrixXd open = span.asDiagonal() * svd.matrixV() * unseen.asDiagonal();
     given_calibration_ = by_noise * by_noise.transpose() + open * open.transpose();
     covariance_ = given_calibration_;
     if (factors > 0) {
@@ -144,6 +156,10 @@ Posterior::Posterior(const Layout& layout, const Observations& data, const Solut
     }
     factor_sigma_.setOnes();
     centre = -gain * flat.r;
+    for (const Eigen::Index i : pressed) {
+      covariance_(i, i) += own[i];
+      given_calibration_(i, i) += own[i];
+    }
   }
   sample_within_limits(centre, seed);
 }

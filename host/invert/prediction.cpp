@@ -156,8 +156,10 @@ void write_hemispheres_csv(const std::string& path, const std::vector<Hemisphere
 void write_hemispheres_hdf5(const std::string& path, const std::vector<Hemisphere>& parts) {
   formats::Hdf5Builder file(path);
   for (const Hemisphere& h : parts) {
-    const std::string group = "/hemisphere_" + wavelength_text(h.wavelength_nm) + "_" +
-                              wavelength_text(h.theta_i_deg) + "/";
+    std::string group =
+        "/hemisphere_" + wavelength_text(h.wavelength_nm) + "_" + wavelength_text(h.theta_i_deg);
+    file.group(group);
+    group += "/";
     const std::size_t rows = h.theta_r_deg.size(), columns = h.phi_r_deg.size();
     file.column(group + "wavelength_nm", std::span(&h.wavelength_nm, 1), "nm");
     file.column(group + "theta_i_deg", std::span(&h.theta_i_deg, 1), "deg");

@@ -4,21 +4,21 @@
 
 #include <string>
 
-#define UMOV_EMBED(symbol, file)              \
-  asm(".pushsection .rodata\n"                \
-      ".global umov_asset_" #symbol           \
-      "\n"                                    \
-      ".global umov_asset_" #symbol           \
-      "_end\n"                                \
-      ".balign 16\n"                          \
-      "umov_asset_" #symbol                   \
-      ":\n"                                   \
-      ".incbin \"" file                       \
-      "\"\n"                                  \
-      "umov_asset_" #symbol                   \
-      "_end:\n"                               \
-      ".byte 0\n"                             \
-      ".popsection\n");                       \
+#define UMOV_EMBED(symbol, file)               \
+  asm(".pushsection .rodata\n"                 \
+      ".global umov_asset_" #symbol            \
+      "\n"                                     \
+      ".global umov_asset_" #symbol            \
+      "_end\n"                                 \
+      ".balign 16\n"                           \
+      "umov_asset_" #symbol                    \
+      ":\n"                                    \
+      ".incbin \"" file                        \
+      "\"\n"                                   \
+      "umov_asset_" #symbol                    \
+      "_end:\n"                                \
+      ".byte 0\n"                              \
+      ".popsection\n");                        \
   extern "C" const char umov_asset_##symbol[]; \
   extern "C" const char umov_asset_##symbol##_end[];
 

@@ -52,13 +52,17 @@ Json calibration_data(const CalibrationInput& input) {
     const char* name;
     Json cells = Json::array();
   };
-  Row gain{"gain constant C / V"}, scale{"its scale, from the standard"}, phase{"lock-in phase / °"},
-      bias{"detector's bias to s, δ"}, records{"records used"}, chi2{"χ²/dof"};
+  Row gain{"gain constant C / V"}, scale{"its scale, from the standard"},
+      phase{"lock-in phase / °"}, bias{"detector's bias to s, δ"}, records{"records used"},
+      chi2{"χ²/dof"};
   for (const auto& w : calibration.wavelengths) {
     wavelengths.push_back(rounded(w.wavelength_nm, 6));
-    gain.cells.push_back(with_uncertainty(w.gain_constant_v, sigmas_95 * w.gain_constant_v * gain_relative_u(w)));
-    scale.cells.push_back(fmt::format("± {} %", plain(100 * sigmas_95 * w.reference_relative_u, 2)));
-    phase.cells.push_back(with_uncertainty(optics::degrees(w.phase_rad), sigmas_95 * optics::degrees(w.phase_u_rad)));
+    gain.cells.push_back(
+        with_uncertainty(w.gain_constant_v, sigmas_95 * w.gain_constant_v * gain_relative_u(w)));
+    scale.cells.push_back(
+        fmt::format("± {} %", plain(100 * sigmas_95 * w.reference_relative_u, 2)));
+    phase.cells.push_back(
+        with_uncertainty(optics::degrees(w.phase_rad), sigmas_95 * optics::degrees(w.phase_u_rad)));
     bias.cells.push_back(with_uncertainty(w.detector_bias, sigmas_95 * w.detector_bias_u) +
                          (w.bias_active ? "" : " (not applied)"));
     records.cells.push_back(count(static_cast<long long>(w.records)));
@@ -74,14 +78,17 @@ Json calibration_data(const CalibrationInput& input) {
                       {"stated", plain(check.stated)},
                       {"computed", with_uncertainty(check.computed, sigmas_95 * check.computed_u)},
                       {"role", check.used_for_gain ? "fixes the gain" : "check"}});
-  return {{"name", input.source.name},
-          {"summary", fmt::format("From {}: signal = C · BRDF · cos θr · ΔΩ · monitor / IF(θr), ΔΩ = {} sr. ± is 95 %.",
-                                  input.source.name, plain(calibration.solid_angle_sr, 3))},
-          {"wavelengths_nm", std::move(wavelengths)},
-          {"rows", std::move(rows)},
-          {"checks", std::move(checks)},
-          {"curves", std::move(curves)},
-          {"notes", calibration.notes}};
+  return {
+      {"name", input.source.name},
+      {"summary",
+       fmt::format(
+           "From {}: signal = C · BRDF · cos θr · ΔΩ · monitor / IF(θr), ΔΩ = {} sr. ± is 95 %.",
+           input.source.name, plain(calibration.solid_angle_sr, 3))},
+      {"wavelengths_nm", std::move(wavelengths)},
+      {"rows", std::move(rows)},
+      {"checks", std::move(checks)},
+      {"curves", std::move(curves)},
+      {"notes", calibration.notes}};
 }
 
 }  // namespace umov::report

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <tuple>
@@ -62,8 +63,7 @@ double quantile(std::vector<double> values, double share) {
 }
 
 Json statistics(const std::vector<double>& relative) {
-  if (relative.empty())
-    return {{"points", "0"}, {"median", "–"}, {"p90", "–"}, {"mean", "–"}};
+  if (relative.empty()) return {{"points", "0"}, {"median", "–"}, {"p90", "–"}, {"mean", "–"}};
   std::vector<double> size;
   double sum = 0;
   for (const double r : relative) size.push_back(std::abs(r)), sum += r;
@@ -91,7 +91,8 @@ Json residuals(const SampleView& view) {
     const double z = compared.prediction.residual[n];
     if (!place.in_plane || !std::isfinite(z)) continue;
     Group& group = groups[{place.theta_i, place.state, place.wavelength}];
-    group.x.push_back(signed_theta_r(view.table->points.theta_r_deg[i], view.table->points.phi_r_deg[i]));
+    group.x.push_back(
+        signed_theta_r(view.table->points.theta_r_deg[i], view.table->points.phi_r_deg[i]));
     group.z.push_back(z);
   }
   if (groups.empty()) return nullptr;
@@ -115,22 +116,28 @@ Json residuals(const SampleView& view) {
     if (state_used[s]) states.push_back(view.states[s]);
   std::string note = "σ is the uncertainty that is independent from point to point";
   if (view.fit->floor_relative > 0)
-    note += fmt::format(", with the {} % that the fit allowed for the model", plain(100 * view.fit->floor_relative, 2));
+    note += fmt::format(", with the {} % that the fit allowed for the model",
+                        plain(100 * view.fit->floor_relative, 2));
   note += view.table->factors.empty()
               ? "."
               : "; the calibration shifts that the fit found are taken out first.";
-  return {{"theta_i_deg", theta}, {"states", states_json(states)}, {"groups", std::move(list)}, {"note", note}};
+  return {{"theta_i_deg", theta},
+          {"states", states_json(states)},
+          {"groups", std::move(list)},
+          {"note", note}};
 }
 
 Json prediction(const SampleView& view) {
   if (!view.table || !view.model) return nullptr;
-  if (std::none_of(view.point_place.begin(), view.point_place.end(), [](const Place& p) { return !p.in_plane; }))
+  if (std::none_of(view.point_place.begin(), view.point_place.end(),
+                   [](const Place& p) { return !p.in_plane; }))
     return nullptr;
   const Compared compared = compare(view);
   struct Group {
     std::vector<double> theta_r, phi_r, measured, model;
   };
-  using Key = std::tuple<std::size_t, std::size_t, std::size_t, bool>;  // state, wavelength, incidence, in plane
+  using Key = std::tuple<std::size_t, std::size_t, std::size_t,
+                         bool>;  // state, wavelength, incidence, in plane
   std::map<Key, Group> groups;
   std::map<std::pair<std::size_t, std::size_t>, std::array<std::vector<double>, 2>> errors;
   std::size_t outside = 0;
@@ -170,14 +177,16 @@ Json prediction(const SampleView& view) {
   for (const auto& [key, sides] : errors) {
     const State& state = view.states[key.first];
     if (std::find(states.begin(), states.end(), state) == states.end()) states.push_back(state);
-    table.push_back({{"state", axis_name(state.polarizer_deg) + " → " + axis_name(state.analyzer_deg)},
-                     {"wavelength_nm", view.wavelengths_nm[key.second]},
-                     {"in_plane", statistics(sides[0])},
-                     {"out_of_plane", statistics(sides[1])}});
+    table.push_back(
+        {{"state", axis_name(state.polarizer_deg) + " → " + axis_name(state.analyzer_deg)},
+         {"wavelength_nm", view.wavelengths_nm[key.second]},
+         {"in_plane", statistics(sides[0])},
+         {"out_of_plane", statistics(sides[1])}});
   }
   const bool all = fit_saw_everything(view, compared);
   return {{"lead", all ? "Directions outside the plane of incidence; the fit used them too."
-                       : "The model knows only what was measured in the plane of incidence; here it is held against directions "
+                       : "The model knows only what was measured in the plane of incidence; here "
+                         "it is held against directions "
                          "outside it, which the fit did not see."},
           {"note", all ? "All of them were fitted." : "Only part of them was fitted."},
           {"theta_i_deg", clusters(incidences, 0.005)},

@@ -33,7 +33,8 @@ struct Series {
 void sort_by_x(Series& s) {
   std::vector<std::size_t> order(s.x.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return s.x[a] < s.x[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return s.x[a] < s.x[b]; });
   const auto by = [&](std::vector<double>& list) {
     std::vector<double> sorted;
     for (const std::size_t i : order) sorted.push_back(list[i]);
@@ -141,8 +142,9 @@ Json brdf_curves(const SampleView& view) {
     curve["theta_i_deg"] = view.theta_i_deg[theta_i];
     curve["state"] = axes.id();
     if (const auto* line = lines.at(wavelength, theta_i)) {
-      curve["model"] = line_json(
-          *line, [&](const MuellerRows& m) { return contracted(m, axes.polarizer_deg, axes.analyzer_deg); });
+      curve["model"] = line_json(*line, [&](const MuellerRows& m) {
+        return contracted(m, axes.polarizer_deg, axes.analyzer_deg);
+      });
     }
     curves.push_back(std::move(curve));
     if (std::find(incidences.begin(), incidences.end(), theta_i) == incidences.end())
@@ -157,7 +159,10 @@ Json brdf_curves(const SampleView& view) {
   for (const std::size_t t : incidences) theta.push_back(view.theta_i_deg[t]);
   // Two factors of two do not need a logarithm; without measurements assume a lobe.
   const bool log = !view.table || highest / lowest > 4;
-  return {{"log", log}, {"theta_i_deg", theta}, {"states", states_json(shown)}, {"curves", std::move(curves)}};
+  return {{"log", log},
+          {"theta_i_deg", theta},
+          {"states", states_json(shown)},
+          {"curves", std::move(curves)}};
 }
 
 Json dolp_curves(const SampleView& view) {
@@ -178,7 +183,8 @@ Json dolp_curves(const SampleView& view) {
     Json curve = curve_json(std::move(series));
     curve["wavelength_nm"] = view.wavelengths_nm[key.second];
     curve["theta_i_deg"] = view.theta_i_deg[key.first];
-    if (const auto* line = lines.at(key.second, key.first)) curve["model"] = line_json(*line, dolp_p4);
+    if (const auto* line = lines.at(key.second, key.first))
+      curve["model"] = line_json(*line, dolp_p4);
     curves.push_back(std::move(curve));
     const Json incidence = view.theta_i_deg[key.first];
     if (std::find(theta.begin(), theta.end(), incidence) == theta.end()) theta.push_back(incidence);

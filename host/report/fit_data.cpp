@@ -20,11 +20,12 @@ constexpr std::size_t largest_correlation_figure = 40;
 Json estimate_json(const formats::Estimate& e, bool fixed) {
   Json cell;
   // On a bound the data give a limit, and an interval about the bound would say otherwise.
-  cell["text"] = fixed                    ? plain(e.value)
+  cell["text"] = fixed                   ? plain(e.value)
                  : e.at_bound == "lower" ? "< " + plain(e.hi, 2)
                  : e.at_bound == "upper" ? "> " + plain(e.lo, 3)
                                          : with_uncertainty(e.value, 0.5 * (e.hi - e.lo));
-  if (!fixed) cell["interval"] = fmt::format("95 % interval {} … {}", plain(e.lo, 5), plain(e.hi, 5));
+  if (!fixed)
+    cell["interval"] = fmt::format("95 % interval {} … {}", plain(e.lo, 5), plain(e.hi, 5));
   if (fixed)
     cell["mark"] = "fixed";
   else if (!e.at_bound.empty())
@@ -44,7 +45,8 @@ std::string unit_name(const std::string& unit) {
 
 Json row_json(const formats::FitParameter& parameter, const brdf::Model& model) {
   Json cells = Json::array();
-  for (const formats::Estimate& e : parameter.estimates) cells.push_back(estimate_json(e, parameter.fixed));
+  for (const formats::Estimate& e : parameter.estimates)
+    cells.push_back(estimate_json(e, parameter.fixed));
   Json row{{"name", parameter.name},
            {"unit", unit_name(parameter.unit)},
            {"shared", parameter.shared},
@@ -94,11 +96,13 @@ double reduced_chi2(const formats::FitResult& fit) {
   return fit.dof > 0 ? fit.chi2 / static_cast<double>(fit.dof) : NAN;
 }
 
-std::string number_of(std::size_t n) { return count(static_cast<long long>(n)); }
+std::string number_of(std::size_t n) {
+  return count(static_cast<long long>(n));
+}
 
 std::string summary(const formats::FitResult& fit) {
-  std::string text = fmt::format("Model {}, fitted to {} points at {} wavelength{} together, ", fit.model,
-                                 number_of(fit.points), fit.wavelengths_nm.size(),
+  std::string text = fmt::format("Model {}, fitted to {} points at {} wavelength{} together, ",
+                                 fit.model, number_of(fit.points), fit.wavelengths_nm.size(),
                                  fit.wavelengths_nm.size() == 1 ? "" : "s");
   if (fit.objective_kind == "paper") {
     text += "by relative squared deviations (the objective of the original method). ";
@@ -109,8 +113,10 @@ std::string summary(const formats::FitResult& fit) {
     text += ". ";
   }
   text += fmt::format("χ²/dof = {}", plain(reduced_chi2(fit), 4));
-  if (fit.interval_scale > 1.001) text += fmt::format(", intervals widened by {}", plain(fit.interval_scale, 3));
-  if (fit.starts > 1) text += fmt::format("; {} of {} starts end at this optimum", fit.starts_agreeing, fit.starts);
+  if (fit.interval_scale > 1.001)
+    text += fmt::format(", intervals widened by {}", plain(fit.interval_scale, 3));
+  if (fit.starts > 1)
+    text += fmt::format("; {} of {} starts end at this optimum", fit.starts_agreeing, fit.starts);
   text += fmt::format("; {} iterations", number_of(fit.iterations));
   if (!fit.converged) text += ", not converged";
   return text + ".";
@@ -120,21 +126,26 @@ std::string summary(const formats::FitResult& fit) {
 std::vector<std::string> sentences(std::vector<std::string> list) {
   for (std::string& text : list) {
     const std::string first = text.substr(0, text.find(' '));
-    const bool word = first.size() > 1 && std::all_of(first.begin(), first.end(), [](char c) { return c >= 'a' && c <= 'z'; });
-    if (word && first != "kappa" && first != "rho" && first != "alpha") text.front() = static_cast<char>(text.front() - 'a' + 'A');
+    const bool word = first.size() > 1 && std::all_of(first.begin(), first.end(),
+                                                      [](char c) { return c >= 'a' && c <= 'z'; });
+    if (word && first != "kappa" && first != "rho" && first != "alpha")
+      text.front() = static_cast<char>(text.front() - 'a' + 'A');
   }
   return list;
 }
 
 /// Cells by wavelength of the view.
-Json empty_cells(const SampleView& view) { return Json(std::vector<std::string>(view.wavelengths_nm.size())); }
+Json empty_cells(const SampleView& view) {
+  return Json(std::vector<std::string>(view.wavelengths_nm.size()));
+}
 
 }  // namespace
 
 Json rounded(double value, int digits) {
   if (!std::isfinite(value)) return nullptr;
   if (value == 0) return 0;
-  const double scale = std::pow(10.0, digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value)))));
+  const double scale =
+      std::pow(10.0, digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value)))));
   if (!std::isfinite(scale) || scale == 0) return value;
   const double near = std::round(value * scale) / scale;
   // Whole numbers print without a trailing ".0".
@@ -155,12 +166,14 @@ Json fit_tables(const SampleView& view) {
   Json weights = k_n(fit, model);
   Json parameters = Json::array(), derived = Json::array(), factors = Json::array();
   for (const auto& parameter : fit.parameters)
-    if (weights.is_null() || !in_k_n(parameter.name)) parameters.push_back(row_json(parameter, model));
+    if (weights.is_null() || !in_k_n(parameter.name))
+      parameters.push_back(row_json(parameter, model));
   for (const auto& quantity : fit.derived) derived.push_back(row_json(quantity, model));
   for (const auto& factor : fit.factors)
-    factors.push_back({{"name", factor.name},
-                       {"value", rounded(factor.value, 4)},
-                       {"text", with_uncertainty(factor.value, sigmas_95 * factor.standard_error)}});
+    factors.push_back(
+        {{"name", factor.name},
+         {"value", rounded(factor.value, 4)},
+         {"text", with_uncertainty(factor.value, sigmas_95 * factor.standard_error)}});
   Json out{{"model", fit.model},
            {"wavelengths_nm", rounded(fit.wavelengths_nm, 6)},
            {"summary", summary(fit)},
@@ -170,14 +183,16 @@ Json fit_tables(const SampleView& view) {
            {"notes", sentences(fit.notes)},
            {"factors", std::move(factors)}};
   if (!weights.is_null()) out["k_n"] = std::move(weights);
-  if (Json figure = correlation(fit.covariance); !figure.is_null()) out["correlation"] = std::move(figure);
+  if (Json figure = correlation(fit.covariance); !figure.is_null())
+    out["correlation"] = std::move(figure);
   return out;
 }
 
 Json dhr_table(const SampleView& view) {
   // Rows by incidence, then source; cells by wavelength.
   std::map<std::pair<double, bool>, Json> rows;
-  const auto put = [&](double theta_i, const char* source, double wavelength, const std::string& text) {
+  const auto put = [&](double theta_i, const char* source, double wavelength,
+                       const std::string& text) {
     const auto key = std::pair{std::round(theta_i * 10) / 10, std::string(source) != "measured"};
     const auto [row, fresh] = rows.try_emplace(key, empty_cells(view));
     row->second[nearest(view.wavelengths_nm, wavelength)] = text;
@@ -186,22 +201,29 @@ Json dhr_table(const SampleView& view) {
   if (view.table) {
     const auto& dhr = view.table->dhr;
     for (std::size_t i = 0; i < dhr.dhr.size(); ++i) {
-      put(dhr.theta_i_deg[i], "measured", dhr.wavelength_nm[i], with_uncertainty(dhr.dhr[i], sigmas_95 * dhr.dhr_u[i]));
+      put(dhr.theta_i_deg[i], "measured", dhr.wavelength_nm[i],
+          with_uncertainty(dhr.dhr[i], sigmas_95 * dhr.dhr_u[i]));
       measured = true;
     }
   }
   if (view.fit != nullptr) {
     for (const auto& entry : view.fit->dhr) {
-      put(entry.theta_i_deg, "fitted model", entry.wavelength_nm, with_uncertainty(entry.value, 0.5 * (entry.hi - entry.lo)));
+      put(entry.theta_i_deg, "fitted model", entry.wavelength_nm,
+          with_uncertainty(entry.value, 0.5 * (entry.hi - entry.lo)));
       fitted = true;
     }
   }
   if (rows.empty()) return nullptr;
   Json list = Json::array();
   for (const auto& [key, cells] : rows)
-    list.push_back({{"theta_i_deg", key.first}, {"source", key.second ? "fitted model" : "measured"}, {"cells", cells}});
+    list.push_back({{"theta_i_deg", key.first},
+                    {"source", key.second ? "fitted model" : "measured"},
+                    {"cells", cells}});
   std::string note = "Share of unpolarised light that leaves into the whole hemisphere, ± 95 %.";
-  if (measured) note += " Measured: the scan at normal incidence turned about the normal and integrated, which supposes an isotropic sample.";
+  if (measured)
+    note +=
+        " Measured: the scan at normal incidence turned about the normal and integrated, which "
+        "supposes an isotropic sample.";
   if (fitted) note += " Fitted: the model integrated, mirror part included.";
   return {{"wavelengths_nm", view.wavelengths_nm}, {"note", note}, {"rows", std::move(list)}};
 }
@@ -214,7 +236,8 @@ void add_mirror_dolp(const SampleView& view, Json& rows) {
   const auto& dolp = view.table->dolp;
   const auto off_mirror = [&](std::size_t i) {
     return view.dolp_place[i].in_plane
-               ? std::abs(signed_theta_r(dolp.theta_r_deg[i], dolp.phi_r_deg[i]) - dolp.theta_i_deg[i])
+               ? std::abs(signed_theta_r(dolp.theta_r_deg[i], dolp.phi_r_deg[i]) -
+                          dolp.theta_i_deg[i])
                : 180.0;
   };
   double best = INFINITY;
@@ -229,11 +252,14 @@ void add_mirror_dolp(const SampleView& view, Json& rows) {
   std::vector<double> nearest_off(view.wavelengths_nm.size(), INFINITY);
   for (std::size_t i = 0; i < dolp.dolp.size(); ++i) {
     const std::size_t w = view.dolp_place[i].wavelength;
-    if (view.dolp_place[i].theta_i != theta || off_mirror(i) > 1 || off_mirror(i) >= nearest_off[w]) continue;
+    if (view.dolp_place[i].theta_i != theta || off_mirror(i) > 1 || off_mirror(i) >= nearest_off[w])
+      continue;
     nearest_off[w] = off_mirror(i);
     measured[w] = with_uncertainty(dolp.dolp[i], sigmas_95 * dolp.dolp_u[i]);
     if (const auto fitted = view.fitted(w); fitted && view.model)
-      model[w] = plain(dolp_p4(view.model->mueller(*fitted, dolp.theta_i_deg[i], dolp.theta_r_deg[i], dolp.phi_r_deg[i])), 3);
+      model[w] = plain(dolp_p4(view.model->mueller(*fitted, dolp.theta_i_deg[i],
+                                                   dolp.theta_r_deg[i], dolp.phi_r_deg[i])),
+                       3);
   }
   const std::string incidence = fmt::format("θi = {}°", plain(view.theta_i_deg[theta], 3));
   rows.push_back({{"name", "DOLP in the mirror direction, " + incidence}, {"cells", measured}});
@@ -247,9 +273,11 @@ void add_dhr(const SampleView& view, Json& rows) {
   for (const char* source : {"measured", "fitted model"}) {
     for (const auto& row : dhr["rows"]) {
       if (row["source"] != source) continue;
-      rows.push_back({{"name", fmt::format("DHR {}, θi = {}°", source == std::string("measured") ? "measured" : "of the model",
-                                           plain(row["theta_i_deg"].get<double>(), 3))},
-                      {"cells", row["cells"]}});
+      rows.push_back(
+          {{"name", fmt::format("DHR {}, θi = {}°",
+                                source == std::string("measured") ? "measured" : "of the model",
+                                plain(row["theta_i_deg"].get<double>(), 3))},
+           {"cells", row["cells"]}});
       break;
     }
   }
@@ -266,7 +294,8 @@ Json key_numbers(const SampleView& view) {
     Json fact{{"name", "χ²/dof of the fit"}, {"value", plain(chi2, 3)}};
     if (chi2 > 1.5) fact["tone"] = "warn", fact["note"] = "more than noise remains";
     facts.push_back(std::move(fact));
-    facts.push_back({{"name", "Model"}, {"value", view.fit->model},
+    facts.push_back({{"name", "Model"},
+                     {"value", view.fit->model},
                      {"note", fmt::format("{} numbers free", view.fit->covariance.names.size())}});
   }
   if (view.table) {
@@ -276,7 +305,8 @@ Json key_numbers(const SampleView& view) {
     facts.push_back({{"name", "Flagged, not used"}, {"value", number_of(flagged)}});
   }
   if (view.fit != nullptr && view.fit->outliers > 0)
-    facts.push_back({{"name", "Outliers"}, {"value", number_of(view.fit->outliers)},
+    facts.push_back({{"name", "Outliers"},
+                     {"value", number_of(view.fit->outliers)},
                      {"note", "weighted down"}});
   return {{"rows", std::move(rows)}, {"facts", std::move(facts)}};
 }

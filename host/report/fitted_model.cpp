@@ -37,9 +37,11 @@ FittedModel::FittedModel(const formats::FitResult& fit, double solid_angle_sr)
 MuellerRows FittedModel::mueller(std::size_t wavelength, double theta_i_deg, double theta_r_deg,
                                  double phi_r_deg) const {
   using optics::radians;
-  const brdf::Geometry<double> geometry{radians(theta_i_deg), radians(theta_r_deg), radians(phi_r_deg)};
+  const brdf::Geometry<double> geometry{radians(theta_i_deg), radians(theta_r_deg),
+                                        radians(phi_r_deg)};
   const std::span<const double> values(values_[wavelength]);
-  MuellerRows out = rows(brdf::evaluate<double, double>(model_, values, wavelengths_um_[wavelength], geometry));
+  MuellerRows out =
+      rows(brdf::evaluate<double, double>(model_, values, wavelengths_um_[wavelength], geometry));
   if (solid_angle_sr_ <= 0) return out;
   // The detector takes in a cap around its direction; 2π(1 − cos a) is the solid angle of one.
   const double towards_mirror =
@@ -55,10 +57,10 @@ MuellerRows FittedModel::mueller(std::size_t wavelength, double theta_i_deg, dou
 }
 
 double FittedModel::mirror_reflectance(std::size_t wavelength, double theta_i_deg) const {
-  return optics::element(
-      brdf::mirror_reflectance<double, double>(model_, std::span<const double>(values_[wavelength]),
-                                               wavelengths_um_[wavelength], optics::radians(theta_i_deg)),
-      0, 0);
+  return optics::element(brdf::mirror_reflectance<double, double>(
+                             model_, std::span<const double>(values_[wavelength]),
+                             wavelengths_um_[wavelength], optics::radians(theta_i_deg)),
+                         0, 0);
 }
 
 double contracted(const MuellerRows& mueller, double polarizer_deg, double analyzer_deg) {

@@ -36,8 +36,8 @@ class FittedModel {
 double contracted(const MuellerRows& mueller, double polarizer_deg, double analyzer_deg);
 /// (PP − PS)/PU (P4); NaN where nothing is reflected.
 double dolp_p4(const MuellerRows& mueller);
-/// √(Q² + U²)/I of the light that leaves where P-polarised light comes in: the size of dolp_p4 in the
-/// plane of incidence, and independent of the choice of basis outside it.
+/// √(Q² + U²)/I of the light that leaves where P-polarised light comes in: the size of dolp_p4 in
+/// the plane of incidence, and independent of the choice of basis outside it.
 double linear_polarisation(const MuellerRows& mueller);
 
 }  // namespace umov::report

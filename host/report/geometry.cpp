@@ -48,7 +48,9 @@ bool State::operator==(const State& other) const {
   return same(polarizer_deg, other.polarizer_deg) && same(analyzer_deg, other.analyzer_deg);
 }
 
-std::string State::id() const { return axis_name(polarizer_deg) + "," + axis_name(analyzer_deg); }
+std::string State::id() const {
+  return axis_name(polarizer_deg) + "," + axis_name(analyzer_deg);
+}
 
 std::vector<State> distinct_states(const std::vector<double>& polarizer_deg,
                                    const std::vector<double>& analyzer_deg) {

@@ -30,7 +30,8 @@ struct State {
   bool operator==(const State& other) const;
 };
 
-/// Distinct states, those without analyser first (U, P, S incident), then PP, PS, SS, SP, then others.
+/// Distinct states, those without analyser first (U, P, S incident), then PP, PS, SS, SP, then
+/// others.
 std::vector<State> distinct_states(const std::vector<double>& polarizer_deg,
                                    const std::vector<double>& analyzer_deg);
 

@@ -48,15 +48,17 @@ Input read_hdf5(const std::filesystem::path& path, const std::string& bytes, Sou
     return CalibrationInput{std::move(source), std::make_shared<const calibrate::Calibration>(
                                                    calibrate::read_calibration(path))};
   throw Error({path.string()},
-              format.empty() ? "is an HDF5 file, but none of Umov's"
-                             : fmt::format("has the format \"{}\", which a report cannot show", format),
+              format.empty()
+                  ? "is an HDF5 file, but none of Umov's"
+                  : fmt::format("has the format \"{}\", which a report cannot show", format),
               "give scan.h5, cal.h5, brdf.h5 or fit.json files");
 }
 
 /// Does a measurement name this file among its keys (by digest or by name)?
 bool mentions(const BrdfInput& brdf, const Source& source, const std::string& content_sha256) {
   for (const auto& [key, value] : brdf.file.table.keys) {
-    if (value == source.name || (value.size() > source.name.size() && value.ends_with("/" + source.name)))
+    if (value == source.name ||
+        (value.size() > source.name.size() && value.ends_with("/" + source.name)))
       return true;
     if (!source.sha256.empty() && value.find(source.sha256) != std::string::npos) return true;
     if (!content_sha256.empty() && value.find(content_sha256) != std::string::npos) return true;
@@ -69,7 +71,9 @@ std::string name_of(const BrdfInput& brdf) {
   return name.empty() ? brdf.source.name : name;
 }
 
-std::string base_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
+std::string base_name(const std::string& path) {
+  return std::filesystem::path(path).filename().string();
+}
 
 /// Samples under construction; `order` is the position of the measurement among the inputs.
 struct Draft {
@@ -95,7 +99,8 @@ std::size_t find_measurement(const std::vector<Draft>& drafts, const formats::Fi
   }
   std::size_t found = none;
   if (!fit.data_file.empty())
-    found = matches([&](const Draft& d) { return d.sample.brdf->source.name == base_name(fit.data_file); });
+    found = matches(
+        [&](const Draft& d) { return d.sample.brdf->source.name == base_name(fit.data_file); });
   if (found == none) {
     for (std::size_t i = 0; i < drafts.size(); ++i)
       if (drafts[i].sample.brdf && drafts[i].order < fit_order) found = i;
@@ -103,7 +108,8 @@ std::size_t find_measurement(const std::vector<Draft>& drafts, const formats::Fi
   if (found == none) found = matches([](const Draft&) { return true; });
   if (found != none && !fit.data_sha256.empty())
     warning = fmt::format(
-        "The fit names other data than these (digest {}…{}); it is shown with {} nevertheless. Fit again "
+        "The fit names other data than these (digest {}…{}); it is shown with {} nevertheless. Fit "
+        "again "
         "before relying on the residuals.",
         fit.data_sha256.substr(0, 12),
         fit.data_file.empty() ? "" : ", file " + base_name(fit.data_file),
@@ -119,7 +125,8 @@ void place_fit(std::vector<Draft>& drafts, FitInput fit, std::size_t order) {
     drafts.push_back({Sample{fit.source.name, {}, {}, {}, {}, {}}, order});
     target = &drafts.back();
     target->sample.warnings.push_back(
-        "The measurement that this model was fitted to was not given: there is nothing to compare it with.");
+        "The measurement that this model was fitted to was not given: there is nothing to compare "
+        "it with.");
   } else if (drafts[at].sample.fit) {
     Draft again{drafts[at].sample, drafts[at].order};
     again.sample.name = fmt::format("{} ({})", name_of(*again.sample.brdf), fit.fit.model);
@@ -128,7 +135,8 @@ void place_fit(std::vector<Draft>& drafts, FitInput fit, std::size_t order) {
     // After the last section of the same measurement.
     std::size_t after = at;
     while (after + 1 < drafts.size() && drafts[after + 1].order == drafts[at].order) ++after;
-    target = &*drafts.insert(drafts.begin() + static_cast<std::ptrdiff_t>(after) + 1, std::move(again));
+    target =
+        &*drafts.insert(drafts.begin() + static_cast<std::ptrdiff_t>(after) + 1, std::move(again));
   } else {
     target = &drafts[at];
   }
@@ -157,7 +165,8 @@ void place_scan(std::vector<Draft>& drafts, ScanInput scan, std::size_t order) {
   drafts.push_back(std::move(own));
 }
 
-void place_calibration(std::vector<Draft>& drafts, CalibrationInput calibration, std::size_t order) {
+void place_calibration(std::vector<Draft>& drafts, CalibrationInput calibration,
+                       std::size_t order) {
   bool placed = false;
   std::vector<Draft*> measured;
   for (Draft& draft : drafts) {

@@ -19,12 +19,12 @@ using Input = std::variant<BrdfInput, FitInput, ScanInput, CalibrationInput>;
 Input read_input(const std::filesystem::path& path);
 
 /// Puts together what belongs together, in the order of the measurements given:
-/// a fit goes to the measurement whose digest it names (`data_sha256`, of the table or of the file),
-/// else to the one whose file name it names, else to the last measurement before it, with a warning;
-/// a second fit of the same measurement makes a section of its own. A scan or calibration goes to
-/// every measurement that names its digest or file among its keys, else a scan goes to one with the
-/// same `sample`, else a calibration to the only measurement there is; what is left gets its own
-/// section.
+/// a fit goes to the measurement whose digest it names (`data_sha256`, of the table or of the
+/// file), else to the one whose file name it names, else to the last measurement before it, with a
+/// warning; a second fit of the same measurement makes a section of its own. A scan or calibration
+/// goes to every measurement that names its digest or file among its keys, else a scan goes to one
+/// with the same `sample`, else a calibration to the only measurement there is; what is left gets
+/// its own section.
 std::vector<Sample> group(std::vector<Input> inputs);
 
 }  // namespace umov::report

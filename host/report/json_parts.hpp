@@ -29,8 +29,8 @@ Json dolp_curves(const SampleView& view);
 /// Where was measured, in direction cosines, for each wavelength and incidence.
 Json directions(const SampleView& view);
 
-/// {wavelengths_nm, grids:[{theta_i_deg, theta_deg, phi_deg, brdf:{nm: […]}, dolp:{nm: […]}}]}, values
-/// θ by θ, φ from 0 to 180°; null without a fit.
+/// {wavelengths_nm, grids:[{theta_i_deg, theta_deg, phi_deg, brdf:{nm: […]}, dolp:{nm: […]}}]},
+/// values θ by θ, φ from 0 to 180°; null without a fit.
 Json lobe(const SampleView& view);
 
 /// Normalised residuals of in-plane points and, where directions out of the plane were measured,

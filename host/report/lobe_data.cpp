@@ -38,7 +38,8 @@ std::vector<double> polar_nodes(double theta_i_deg) {
   std::sort(nodes.begin(), nodes.end());
   std::vector<double> out;
   for (const double node : nodes)
-    if (node >= 0 && node <= horizon_deg && (out.empty() || node - out.back() > 0.3)) out.push_back(node);
+    if (node >= 0 && node <= horizon_deg && (out.empty() || node - out.back() > 0.3))
+      out.push_back(node);
   return out;
 }
 
@@ -79,7 +80,8 @@ Json lobe(const SampleView& view) {
         for (const double phi_r : phi) {
           const MuellerRows m = view.model->mueller(w, theta_i, theta_r, phi_r);
           f.push_back(m[0]);
-          if (theta_r < 80 && m[0] > 0) lowest = std::min(lowest, m[0]), highest = std::max(highest, m[0]);
+          if (theta_r < 80 && m[0] > 0)
+            lowest = std::min(lowest, m[0]), highest = std::max(highest, m[0]);
           p.push_back(linear_polarisation(m));
         }
       }
@@ -98,7 +100,10 @@ Json lobe(const SampleView& view) {
   if (largest_mirror > 1e-6)
     note = "A smooth share of the surface also reflects up to " + plain(100 * largest_mirror, 2) +
            " % of the light exactly into the mirror direction.";
-  return {{"wavelengths_nm", wavelengths}, {"grids", std::move(grids)}, {"note", note}, {"log", highest > 4 * lowest}};
+  return {{"wavelengths_nm", wavelengths},
+          {"grids", std::move(grids)},
+          {"note", note},
+          {"log", highest > 4 * lowest}};
 }
 
 }  // namespace umov::report

@@ -31,13 +31,17 @@ std::string minus(std::string text) {
 
 /// "×10⁻⁷".
 std::string power_of_ten(int exponent) {
-  static constexpr std::array<const char*, 10> raised{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  static constexpr std::array<const char*, 10> raised{"⁰", "¹", "²", "³", "⁴",
+                                                      "⁵", "⁶", "⁷", "⁸", "⁹"};
   std::string text = exponent < 0 ? "×10⁻" : "×10";
-  for (const char digit : std::to_string(std::abs(exponent))) text += raised[static_cast<std::size_t>(digit - '0')];
+  for (const char digit : std::to_string(std::abs(exponent)))
+    text += raised[static_cast<std::size_t>(digit - '0')];
   return text;
 }
 
-bool plain_range(double magnitude) { return magnitude >= 1e-4 && magnitude < 1e6; }
+bool plain_range(double magnitude) {
+  return magnitude >= 1e-4 && magnitude < 1e6;
+}
 
 }  // namespace
 

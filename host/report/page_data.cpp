@@ -1,6 +1,8 @@
 // All of a report's data as one JSON text.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "host/formats/provenance.hpp"
 #include "host/report/json_parts.hpp"
 #include "host/report/numbers.hpp"
@@ -14,7 +16,8 @@ namespace {
 Json meta(const Sample& sample) {
   Json out = Json::array();
   const auto put = [&](const std::string& text) {
-    if (!text.empty() && std::find(out.begin(), out.end(), Json(text)) == out.end()) out.push_back(text);
+    if (!text.empty() && std::find(out.begin(), out.end(), Json(text)) == out.end())
+      out.push_back(text);
   };
   if (sample.brdf) {
     const auto& table = sample.brdf->file.table;
@@ -37,14 +40,16 @@ std::vector<std::string> warnings(const SampleView& view) {
   if (view.table && view.table->points.size() > 0) {
     std::size_t flagged = 0;
     for (const int used : view.table->points.used) flagged += used == 0;
-    const double share = static_cast<double>(flagged) / static_cast<double>(view.table->points.size());
+    const double share =
+        static_cast<double>(flagged) / static_cast<double>(view.table->points.size());
     if (share > 0.1)
       out.push_back(fmt::format("{:.0f} % of the points are flagged and not used.", 100 * share));
   }
   if (view.table && view.fit != nullptr) {
     std::string missing;
     for (std::size_t w = 0; w < view.wavelengths_nm.size(); ++w)
-      if (!view.fitted(w)) missing += fmt::format("{}{} nm", missing.empty() ? "" : ", ", view.wavelengths_nm[w]);
+      if (!view.fitted(w))
+        missing += fmt::format("{}{} nm", missing.empty() ? "" : ", ", view.wavelengths_nm[w]);
     if (!missing.empty()) out.push_back("Measured but not fitted: " + missing + ".");
   }
   return out;

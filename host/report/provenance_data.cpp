@@ -44,7 +44,8 @@ Json brdf_file(const BrdfInput& input) {
   rows.add(input.file.provenance);
   rows.add(input.file.table.keys);
   std::string names;
-  for (const auto& factor : input.file.table.factors) names += (names.empty() ? "" : ", ") + factor.name;
+  for (const auto& factor : input.file.table.factors)
+    names += (names.empty() ? "" : ", ") + factor.name;
   rows.add("calibration factors", names);
   rows.add_long(input.file.provenance);
   return rows.file(input.source, "reduced measurement");
@@ -82,7 +83,8 @@ Json calibration_file(const CalibrationInput& input) {
   rows.add("sha256 of the file", input.source.sha256);
   rows.add(input.calibration->keys);
   for (const auto& from : input.calibration->inputs)
-    rows.add(from.role.empty() ? "made from" : "made from (" + from.role + ")", from.name + "  " + from.sha256);
+    rows.add(from.role.empty() ? "made from" : "made from (" + from.role + ")",
+             from.name + "  " + from.sha256);
   return rows.file(input.source, "calibration");
 }
 

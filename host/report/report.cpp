@@ -17,12 +17,23 @@ std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : text) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      case '\'': out += "&#39;"; break;
-      default: out += c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      default:
+        out += c;
     }
   }
   return out;
@@ -70,10 +81,11 @@ std::string page(const std::vector<Sample>& samples, const Options& options) {
                                {"SCRIPT", parts.script}});
 }
 
-Summary write_report(std::span<const std::filesystem::path> files, const std::filesystem::path& output,
-                     const Options& options) {
+Summary write_report(std::span<const std::filesystem::path> files,
+                     const std::filesystem::path& output, const Options& options) {
   if (files.empty())
-    throw Error("no file was given to report on", "name scan.h5, cal.h5, brdf.h5 or fit.json files");
+    throw Error("no file was given to report on",
+                "name scan.h5, cal.h5, brdf.h5 or fit.json files");
   std::vector<Input> inputs;
   for (const auto& file : files) inputs.push_back(read_input(file));
   const std::vector<Sample> samples = group(std::move(inputs));
@@ -81,7 +93,8 @@ Summary write_report(std::span<const std::filesystem::path> files, const std::fi
   formats::replace_file(output, text);
   Summary summary{samples.size(), text.size(), {}};
   for (const Sample& sample : samples)
-    for (const std::string& warning : sample.warnings) summary.warnings.push_back(sample.name + ": " + warning);
+    for (const std::string& warning : sample.warnings)
+      summary.warnings.push_back(sample.name + ": " + warning);
   return summary;
 }
 

@@ -17,9 +17,9 @@ struct Options {
   std::string created;  ///< UTC, ISO 8601; empty: now
 };
 
-/// The page's data as JSON text, "<" escaped so that it can stand inside a script element: everything
-/// that is drawn or printed, numbers rounded to what a figure can show. The layout is that which
-/// page/main.js reads. Throws umov::Error where a fit names an unknown model.
+/// The page's data as JSON text, "<" escaped so that it can stand inside a script element:
+/// everything that is drawn or printed, numbers rounded to what a figure can show. The layout is
+/// that which page/main.js reads. Throws umov::Error where a fit names an unknown model.
 std::string page_data(const std::vector<Sample>& samples, const Options& options);
 
 /// The whole page, UTF-8. Loads nothing from anywhere.
@@ -33,7 +33,7 @@ struct Summary {
 
 /// Reads the files (any kinds, any order), groups them, and writes the page. An existing page is
 /// replaced only when the new one is complete. Throws umov::Error.
-Summary write_report(std::span<const std::filesystem::path> files, const std::filesystem::path& output,
-                     const Options& options);
+Summary write_report(std::span<const std::filesystem::path> files,
+                     const std::filesystem::path& output, const Options& options);
 
 }  // namespace umov::report

@@ -23,8 +23,8 @@ void place_points(SampleView& view) {
     place.wavelength = nearest(view.wavelengths_nm, points.wavelength_nm[i]);
     place.theta_i = nearest(view.theta_i_deg, points.theta_i_deg[i]);
     const State state{points.polarizer_deg[i], points.analyzer_deg[i]};
-    place.state = static_cast<std::size_t>(std::find(view.states.begin(), view.states.end(), state) -
-                                           view.states.begin());
+    place.state = static_cast<std::size_t>(
+        std::find(view.states.begin(), view.states.end(), state) - view.states.begin());
     place.in_plane = in_plane(points.theta_r_deg[i], points.phi_r_deg[i]);
   }
   const auto& dolp = view.table->dolp;
@@ -57,7 +57,8 @@ std::string key_of(const formats::BrdfTable& table, const std::string& name) {
 std::optional<std::size_t> SampleView::fitted(std::size_t wavelength) const {
   if (fit == nullptr) return std::nullopt;
   for (std::size_t i = 0; i < fit->wavelengths_nm.size(); ++i)
-    if (std::abs(fit->wavelengths_nm[i] - wavelengths_nm[wavelength]) <= 2 * same_wavelength_nm) return i;
+    if (std::abs(fit->wavelengths_nm[i] - wavelengths_nm[wavelength]) <= 2 * same_wavelength_nm)
+      return i;
   return std::nullopt;
 }
 
@@ -76,7 +77,8 @@ SampleView view_of(const Sample& sample) {
   if (sample.fit) {
     view.fit = &sample.fit->fit;
     view.model.emplace(*view.fit, solid_angle_sr);
-    wavelengths.insert(wavelengths.end(), view.fit->wavelengths_nm.begin(), view.fit->wavelengths_nm.end());
+    wavelengths.insert(wavelengths.end(), view.fit->wavelengths_nm.begin(),
+                       view.fit->wavelengths_nm.end());
     if (incidences.empty())
       for (const auto& entry : view.fit->dhr) incidences.push_back(entry.theta_i_deg);
     if (incidences.empty()) incidences = {0, 30, 60};

@@ -1,4 +1,5 @@
-// A sample prepared for drawing: its points sorted by wavelength, incidence and state, its model ready.
+// A sample prepared for drawing: its points sorted by wavelength, incidence and state, its model
+// ready.
 #pragma once
 
 #include <cstddef>

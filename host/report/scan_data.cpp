@@ -12,7 +12,8 @@ namespace umov::report {
 
 namespace {
 
-/// More records than this are drawn every second, third … one: the figure shows no more dots anyway.
+/// More records than this are drawn every second, third … one: the figure shows no more dots
+/// anyway.
 constexpr std::size_t most_drawn = 9000;
 
 double median(std::vector<double> values) {
@@ -62,14 +63,17 @@ std::string summary(const ScanInput& input, std::size_t wavelengths) {
     closed += scan.shutter_open[i] == 0;
   }
   const double seconds = scan.size() == 0 ? 0 : scan.time_s.back() - scan.time_s.front();
-  std::string text = fmt::format("{}: {} records at {} wavelength{} in {} of instrument time; {} saturated, {} with the shutter closed.",
-                                 input.source.name, count(static_cast<long long>(scan.size())), wavelengths,
-                                 wavelengths == 1 ? "" : "s", duration(seconds), count(saturated), count(closed));
+  std::string text = fmt::format(
+      "{}: {} records at {} wavelength{} in {} of instrument time; {} saturated, {} with the "
+      "shutter closed.",
+      input.source.name, count(static_cast<long long>(scan.size())), wavelengths,
+      wavelengths == 1 ? "" : "s", duration(seconds), count(saturated), count(closed));
   if (!scan.blocks.empty()) {
     text += " Set-up blocks: ";
     for (std::size_t b = 0; b < scan.blocks.size(); ++b) {
       const auto& block = scan.blocks[b];
-      text += fmt::format("{}{} (records {} to {})", b == 0 ? "" : ", ", block.name, block.first, block.last);
+      text += fmt::format("{}{} (records {} to {})", b == 0 ? "" : ", ", block.name, block.first,
+                          block.last);
     }
     text += ".";
   }
@@ -82,7 +86,8 @@ Json scan_data(const ScanInput& input) {
   const formats::ScanTable& scan = input.file.table;
   std::map<double, Series> series;
   std::map<double, std::vector<double>> monitors;
-  for (std::size_t i = 0; i < scan.size(); ++i) monitors[scan.wavelength_nm[i]].push_back(scan.monitor_v[i]);
+  for (std::size_t i = 0; i < scan.size(); ++i)
+    monitors[scan.wavelength_nm[i]].push_back(scan.monitor_v[i]);
   std::map<double, double> usual;
   for (auto& [nm, values] : monitors) usual[nm] = median(std::move(values));
   const std::size_t stride = std::max<std::size_t>(1, (scan.size() + most_drawn - 1) / most_drawn);
@@ -113,7 +118,8 @@ Json scan_data(const ScanInput& input) {
           {"records", scan.size()},
           {"thinned", stride > 1 ? fmt::format(" (one in {} drawn)", stride) : std::string()},
           {"series", std::move(list)},
-          {"saturated", {{"time_s", std::move(saturated_time)}, {"signal_v", std::move(saturated_signal)}}},
+          {"saturated",
+           {{"time_s", std::move(saturated_time)}, {"signal_v", std::move(saturated_signal)}}},
           {"ranges", ranges_json(scan)}};
 }
 

@@ -64,7 +64,7 @@ class Walker {
 
   /// To the start of the line after the end of the statement.
   void skip_statement() {
-    int depth = 0;
+    std::string closers;  // of the brackets that are open
     const bool header = at_ < text_.size() && text_[at_] == '[';
     while (at_ < text_.size()) {
       const char c = text_[at_];
@@ -78,10 +78,11 @@ class Walker {
       if (c == '#') {
         while (at_ < text_.size() && text_[at_] != '\n') ++at_;
       } else if (!header && (c == '[' || c == '{')) {
-        ++depth;
+        closers += c == '[' ? ']' : '}';
       } else if (!header && (c == ']' || c == '}')) {
-        --depth;
-      } else if (c == '\n' && depth <= 0) {
+        if (closers.empty() || closers.back() != c) fail(at_ - 1, "brackets that do not match");
+        closers.pop_back();
+      } else if (c == '\n' && closers.empty()) {
         return;
       }
     }

@@ -176,6 +176,7 @@ class Runner {
   }
 
   RunSummary run() {
+    refuse_changes_by_hand();
     open_existing();
     if (next_ < summary_.total) {
       measure();
@@ -187,6 +188,19 @@ class Runner {
   }
 
  private:
+  /// Rows that need someone at the instrument can't be taken in one unattended run.
+  void refuse_changes_by_hand() const {
+    for (const auto& block : program_.blocks) {
+      for (const auto& [key, value] : block.settings) {
+        if (key == "optical_density") continue;  // the filter wheel does it
+        throw Error({plan_.name},
+                    fmt::format("block {} needs a change at the instrument ({}={}) that the controller can't make",
+                                block.name, key, value),
+                    "leave it out of this plan and measure it as a scan of its own after the change");
+      }
+    }
+  }
+
   void open_existing() {
     const auto journal = journal_path(options_.output);
     const bool has_journal = std::filesystem::exists(journal);
@@ -306,7 +320,7 @@ class Runner {
     const auto status = session.request(protocol::GetStatus{});
     if (status.program_id == id_ && status.state != static_cast<std::uint8_t>(protocol::State::idle)) return;
     if (status.fault == static_cast<std::uint8_t>(protocol::Fault::link_lost)) {
-      session.request(protocol::ClearFault{status.fault});
+      clear_link_lost(session);
     } else if (status.fault != 0) {
       throw instrument::Faulted(session.name(), status.fault, "before the scan began");
     }
@@ -327,7 +341,23 @@ class Runner {
                               status.next_record - status.first_unacknowledged),
                   "finish that scan with --resume, or discard them with --force");
     }
-    session.request(protocol::ProgramControl{2});
+    // A program that ran to its end needs no ending.
+    if (status.state != static_cast<std::uint8_t>(protocol::State::idle)) {
+      session.request(protocol::ProgramControl{2});
+    }
+  }
+
+  /// The fault that an earlier host's silence left; refused while the axes still come to rest.
+  void clear_link_lost(Session& session) {
+    for (int tries_left = 100;; --tries_left) {
+      try {
+        session.request(protocol::ClearFault{static_cast<std::uint8_t>(protocol::Fault::link_lost)});
+        return;
+      } catch (const instrument::Refused& refused) {
+        if (refused.refusal() != protocol::Refusal::busy || tries_left == 0) throw;
+      }
+      session.poll(std::chrono::milliseconds(50));
+    }
   }
 
   void home(Session& session, std::uint8_t mask) {

@@ -39,7 +39,7 @@ std::string describe_session_and_streams() {
    `row_credit` after `program_begin` and after rows have arrived, taken or ignored (one for all of a batch),
    and when room has been made (it may wait until a quarter of its buffer is free). While it waits for rows it
    repeats the credit every 100 ms.
-4. A host that sees no progress of `next_row` for 200 ms sends again from the last `next_row`, one row even
+4. A host that sees no progress of `next_row` for half a second sends again from the last `next_row`, one row even
    when its credit is used up: the answer, taken or ignored, brings it up to date.
 5. A row the device can't carry out (position outside the limits, field out of range) is refused by
    `error_reply` with that frame's sequence number; the program then waits with that row still wanted.

@@ -25,16 +25,16 @@ def check(browser, page, figures):
     browser.open(page)
     if not browser.wait_for("document.documentElement?.dataset.ready === 'yes'", 90):
         return ["the page was not drawn within 90 s"] + browser.problems
-    boxes = browser.evaluate("document.querySelectorAll('.plot').length")
+    boxes = browser.evaluate("document.querySelectorAll('.chart').length")
     drawn = browser.evaluate(
-        "[...document.querySelectorAll('.plot.js-plotly-plot')].filter(p => p.querySelector('.main-svg') "
+        "[...document.querySelectorAll('.chart.js-plotly-plot')].filter(p => p.querySelector('.main-svg') "
         "&& p.querySelector('.main-svg').getBoundingClientRect().width > 200).length")
     if boxes == 0 or drawn != boxes:
         complaints.append(f"{drawn} of {boxes} figures are drawn")
     if figures is not None and boxes != figures:
         complaints.append(f"{boxes} figures, expected {figures}")
     empty = browser.evaluate(
-        "[...document.querySelectorAll('.plot.js-plotly-plot')].filter(p => !p.data.length).map(p => p.dataset.figure)")
+        "[...document.querySelectorAll('.chart.js-plotly-plot')].filter(p => !p.data.length).map(p => p.dataset.figure)")
     if empty:
         complaints.append(f"figures without data: {empty}")
     lobes = browser.evaluate("document.querySelectorAll('[data-figure=lobe]').length")
@@ -53,7 +53,7 @@ def check(browser, page, figures):
     outside = [url for url in browser.requests if not url.startswith(("file:", "data:", "blob:", "about:"))]
     if outside:
         complaints.append(f"the page asked the network for {outside}")
-    broken = browser.evaluate("document.querySelectorAll('.plot .notice').length")
+    broken = browser.evaluate("document.querySelectorAll('.chart .notice').length")
     if broken:
         complaints.append(f"{broken} figures show an error")
     return complaints + browser.problems

@@ -34,11 +34,11 @@ inline constexpr std::int32_t open_park_udeg = 200'000'000;
 /// What the reference instrument has; order of protocol::Axis.
 inline constexpr std::array<AxisSettings, axis_count> default_axes = {{
     // incidence: the sample turns
-    {320'000, -10'000'000, 90'000'000, 40'000, 400'000, 8'000'000, 0, 0, 20'000, 1'000},
+    {360'000, -10'000'000, 90'000'000, 40'000, 400'000, 8'000'000, 0, 0, 20'000, 1'000},
     // detector arm: signed angle in the plane, or with the azimuth out of it
-    {320'000, -90'000'000, 90'000'000, 40'000, 400'000, 8'000'000, 0, 0, 20'000, 1'000},
+    {360'000, -90'000'000, 90'000'000, 40'000, 400'000, 8'000'000, 0, 0, 20'000, 1'000},
     // azimuth: turns the detector's plane about the sample's normal
-    {320'000, -180'000'000, 180'000'000, 40'000, 400'000, 8'000'000, 0, 0, 20'000, 1'000},
+    {360'000, -180'000'000, 180'000'000, 40'000, 400'000, 8'000'000, 0, 0, 20'000, 1'000},
     // polariser and analyser: light carriers, fast
     {72'000, -180'000'000, 180'000'000, 360'000, 7'200'000, 200'000'000, 0, open_park_udeg, 90'000,
      5'000},

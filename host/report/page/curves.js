@@ -21,8 +21,10 @@ function panelTraces(sample, curves, i, seen, options) {
       seen.add(nm);
       traces.push(Object.assign({
         type: "scatter", mode: "markers", x: curve.x, y: curve.y, name, showlegend: false,
-        marker: { color, symbol: wavelengthSymbol(sample, nm), size: options.markerSize, opacity: 0.85, line: { width: 0 } },
-        error_y: { type: "data", array: curve.u.map((u) => 1.96 * u), color: withAlpha(color, 0.55), thickness: 1, width: 0 },
+        marker: { color, symbol: wavelengthSymbol(sample, nm), size: options.markerSize, opacity: 0.85,
+          line: { width: 0 } },
+        error_y: { type: "data", array: curve.u.map((u) => 1.96 * u), color: withAlpha(color, 0.55), thickness: 1,
+          width: 0 },
         hovertemplate: `${name}<br>θ<sub>r</sub> = %{x:.2f}°<br>${options.quantity} = %{y:.4g} ± %{error_y.array:.2g} (95 %)<extra></extra>`,
       }, common));
     }
@@ -55,9 +57,11 @@ function curveFigure(sample, kind) {
     range: "all", scale: isBrdf && set.log ? "log" : "linear",
   };
   const stateChooser = states && states.length > 1 ? chooser("Polariser → analyser",
-    states.map((s) => ({ value: s.id, label: stateLabel(s) })), choice.state, (v) => { choice.state = v; entry.redraw(); }) : null;
+    states.map((s) => ({ value: s.id, label: stateLabel(s) })), choice.state,
+      (v) => { choice.state = v; entry.redraw(); }) : null;
   const thetaChooser = set.theta_i_deg.length > 1 ? chooser("Incidence θi",
-    set.theta_i_deg.map((t) => ({ value: t, label: angle(t) })), choice.theta, (v) => { choice.theta = v; entry.redraw(); }) : null;
+    set.theta_i_deg.map((t) => ({ value: t, label: angle(t) })), choice.theta,
+      (v) => { choice.theta = v; entry.redraw(); }) : null;
   const showChoosers = () => {
     if (stateChooser) stateChooser.hidden = choice.across !== "incidence";
     if (thetaChooser) thetaChooser.hidden = choice.across !== "state";
@@ -71,7 +75,8 @@ function curveFigure(sample, kind) {
     choice.scale, (v) => { choice.scale = v; entry.redraw(); }) : null;
   showChoosers();
   const entry = figure(kind, isBrdf ? "BRDF against exit angle" : "Degree of linear polarisation against exit angle",
-    [acrossChooser, stateChooser, thetaChooser, rangeChooser, scaleChooser], (width) => buildCurves(sample, kind, choice, width));
+    [acrossChooser, stateChooser, thetaChooser, rangeChooser, scaleChooser],
+      (width) => buildCurves(sample, kind, choice, width));
   return entry;
 }
 
@@ -109,11 +114,12 @@ function buildCurves(sample, kind, choice, width) {
     flagged += curve.flagged ? curve.flagged.x.filter((x) => inView(panel, x)).length : 0;
     if (curve.model) {
       hasModel = true;
+      // The model goes to grazing angles where nothing was measured: there it must not set the scale.
+      const [from, to] = curve.x.length ? extent(curve.x, () => true) : [-90, 90];
       curve.model.x.forEach((x, n) => {
-        if (!inView(panel, x) || (log && curve.model.y[n] <= 0)) return;
+        if (!inView(panel, x) || x < from - 1 || x > to + 1 || (log && curve.model.y[n] <= 0)) return;
         high = Math.max(high, curve.model.y[n]);
-        // The model goes to grazing angles where nothing was measured: it must not set the floor.
-        if (!curve.x.length || !log) low = Math.min(low, curve.model.y[n]);
+        low = Math.min(low, curve.model.y[n]);
       });
     }
   }
@@ -125,26 +131,31 @@ function buildCurves(sample, kind, choice, width) {
     layout[axisKey("x", i)] = axis(cell.bottom ? ANGLE_AXIS : "", {
       domain: cell.x, anchor: axisName("y", i), range: xRange });
     if (choice.range === "all") Object.assign(layout[axisKey("x", i)], {
-      tickvals: [-90, -60, -30, 0, 30, 60, 90], ticktext: [grid.columns > 1 ? "" : "−90", "−60", "−30", "0", "30", "60", grid.columns > 1 ? "" : "90"] });
+      tickvals: [-90, -60, -30, 0, 30, 60, 90], ticktext: [grid.columns > 1 ? "" : "−90", "−60", "−30", "0", "30", "60",
+        grid.columns > 1 ? "" : "90"] });
     else layout[axisKey("x", i)].dtick = 4;
     const yExtra = { domain: cell.y, anchor: axisName("x", i), showticklabels: cell.column === 0 };
     if (i > 0) yExtra.matches = "y";
     layout[axisKey("y", i)] = log
       ? logAxis(cell.column === 0 ? yTitle : "", low / 1.6, high * 1.6, yExtra)
       : axis(cell.column === 0 ? yTitle : "", Object.assign({ zeroline: true, range: [
-        Math.min(isBrdf ? 0 : -0.05, low - 0.06 * (high - low)), Math.max(high + 0.06 * (high - low), isBrdf ? 0 : 0.05)] }, yExtra));
+        Math.min(isBrdf ? 0 : -0.05, low - 0.06 * (high - low)),
+          Math.max(high + 0.06 * (high - low), isBrdf ? 0 : 0.05)] }, yExtra));
     layout.annotations.push({ text: `<b>${panel.title}</b>`, x: cell.x[0], y: cell.y[1], xref: "paper", yref: "paper",
       xanchor: "left", yanchor: "bottom", yshift: 2, showarrow: false, font: { size: 13, color: p.text } });
-    if (panel.theta < 89) layout.shapes.push({ type: "line", x0: panel.theta, x1: panel.theta, y0: cell.y[0], y1: cell.y[1],
+    if (panel.theta < 89) layout.shapes.push({ type: "line", x0: panel.theta, x1: panel.theta, y0: cell.y[0],
+      y1: cell.y[1],
       xref: axisName("x", i), yref: "paper", line: { color: p.mark, width: 1, dash: "dot" } });
     data.push(...panelTraces(sample, panel.curves, i, seen, { quantity: yTitle,
       markerSize: width < 560 ? 4 : 5 }));
   });
   for (const nm of [...seen].sort((a, b) => a - b)) {
     const color = wavelengthColor(nm);
-    data.unshift(legendEntry(`${nm} nm`, { color, symbol: wavelengthSymbol(sample, nm) }, hasModel ? { color, width: 1.8, dash: wavelengthDash(sample, nm) } : null));
+    data.unshift(legendEntry(`${nm} nm`, { color, symbol: wavelengthSymbol(sample, nm) },
+      hasModel ? { color, width: 1.8, dash: wavelengthDash(sample, nm) } : null));
   }
-  layout.legend = Object.assign(baseLayout().legend, { y: 1 + 24 / (grid.height - margins.t - margins.b), traceorder: "reversed" });
+  layout.legend = Object.assign(baseLayout().legend,
+    { y: 1 + 24 / (grid.height - margins.t - margins.b), traceorder: "reversed" });
   const where = choice.across === "incidence"
     ? (choice.state === null ? "" : ` for ${stateWords(set.states.find((s) => s.id === choice.state))}`)
     : ` at θi = ${angle(choice.theta)}`;

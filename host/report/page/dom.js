@@ -17,9 +17,12 @@ function h(tag, attributes, ...children) {
 
 // Names of parameters as they stand in the formulas: stem and subscript. Others keep their names.
 const SYMBOLS_OF = {
-  n: ["n"], kappa: ["κ"], sigma_um: ["σ"], tau_um: ["τ"], k_dd: ["k", "dd"], k_uds: ["k", "uds"], k_udf: ["k", "udf"], k_fs: ["k", "fs"],
-  fs_width_deg: ["w"], fs_polarization: ["a"], rho: ["ρ"], rho_d1: ["ρ", "d1"], rho_d2: ["ρ", "d2"], slope_rms: ["σ", "s"], bias: ["B"],
-  slope_2sigma_over_tau: ["2σ/τ"], alpha: ["α"], alpha_x: ["α", "x"], alpha_y: ["α", "y"], ks: ["k", "s"], omega: ["Ω"], tau: ["τ"],
+  n: ["n"], kappa: ["κ"], sigma_um: ["σ"], tau_um: ["τ"], k_dd: ["k", "dd"], k_uds: ["k", "uds"], k_udf: ["k", "udf"],
+    k_fs: ["k", "fs"],
+  fs_width_deg: ["w"], fs_polarization: ["a"], rho: ["ρ"], rho_d1: ["ρ", "d1"], rho_d2: ["ρ", "d2"],
+    slope_rms: ["σ", "s"], bias: ["B"],
+  slope_2sigma_over_tau: ["2σ/τ"], alpha: ["α"], alpha_x: ["α", "x"], alpha_y: ["α", "y"], ks: ["k", "s"], omega: ["Ω"],
+    tau: ["τ"],
 };
 
 // In a sum "1.rho" is ρ of the second part.
@@ -80,7 +83,8 @@ function section(id, title, lead, ...content) {
 
 // For the list of contents.
 const SHORT_TITLES = {
-  "BRDF in the plane of incidence": "BRDF in the plane", "Degree of linear polarisation": "DOLP", "Prediction out of the plane": "Out of the plane",
+  "BRDF in the plane of incidence": "BRDF in the plane", "Degree of linear polarisation": "DOLP",
+    "Out of the plane of incidence": "Out of the plane",
   "What the data determine": "Identifiability", "Directional-hemispherical reflectance": "DHR",
 };
 

@@ -7,18 +7,20 @@ const MODE_BAR = {
   displaylogo: false, responsive: false,
   // Without a pointer that hovers the buttons would stand over the figure for good.
   displayModeBar: window.matchMedia("(hover: hover)").matches ? "hover" : false,
-  modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d", "toImage", "sendDataToCloud", "hoverClosestCartesian", "hoverCompareCartesian", "toggleSpikelines"],
+  modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d", "toImage", "sendDataToCloud", "hoverClosestCartesian",
+    "hoverCompareCartesian", "toggleSpikelines"],
 };
 
 // A figure is a box with controls, a plot and a caption. `build(width)` returns {data, layout, caption}
 // from the present choices; `redraw()` runs it again. `kind` names it for tests and file names.
 function figure(kind, label, controls, build, options) {
-  const plot = h("div", { class: "plot", "data-figure": kind, role: "img", "aria-label": label });
+  const plot = h("div", { class: "chart", "data-figure": kind, role: "img", "aria-label": label });
   const caption = h("figcaption", {});
   const entry = { plot, kind, build, caption, options: options || {}, width: 0 };
   figures.push(entry);
   const save = h("button", { type: "button", class: "save", title: "Save this figure as SVG",
-    onclick: () => Plotly.downloadImage(plot, { format: "svg", filename: `umov-${kind}`, width: plot.clientWidth, height: plot.clientHeight }) }, "Save SVG");
+    onclick: () => Plotly.downloadImage(plot, { format: "svg", filename: `umov-${kind}`, width: plot.clientWidth,
+      height: plot.clientHeight }) }, "Save SVG");
   entry.picture = entry.options.webgl ? h("img", { class: "for-print", alt: label }) : null;
   entry.node = h("figure", { class: entry.options.webgl ? "webgl" : null },
     h("div", { class: "controls" }, controls, save), plot, entry.picture, caption);
@@ -35,7 +37,8 @@ function drawFigure(entry) {
   entry.width = width;
   try {
     const { data, layout, caption } = entry.build(width);
-    const config = Object.assign({}, MODE_BAR, { toImageButtonOptions: { format: "svg", filename: `umov-${entry.kind}` } });
+    const config = Object.assign({}, MODE_BAR, { toImageButtonOptions: { format: "svg",
+      filename: `umov-${entry.kind}` } });
     Plotly.react(entry.plot, data, Object.assign(baseLayout(), layout, { width }), config);
     entry.caption.replaceChildren(...[caption].flat().filter((part) => part !== null && part !== undefined));
     entry.plot.dataset.drawn = "yes";
@@ -122,7 +125,8 @@ function baseLayout() {
     margin: { l: 66, r: 14, t: 34, b: 52 },
     hoverlabel: { font: { family: FONT, size: 12 }, namelength: -1 },
     showlegend: true,
-    legend: { orientation: "h", x: 0, y: 1, xanchor: "left", yanchor: "bottom", font: { size: 12.5 }, bgcolor: "rgba(0,0,0,0)" },
+    legend: { orientation: "h", x: 0, y: 1, xanchor: "left", yanchor: "bottom", font: { size: 12.5 },
+      bgcolor: "rgba(0,0,0,0)" },
     modebar: { bgcolor: "rgba(0,0,0,0)", color: p.zero, activecolor: p.text },
     dragmode: "zoom",
   };
@@ -184,7 +188,8 @@ function pairOf(width, margin, firstHeight) {
   const total = firstHeight + gap + inner;
   const share = inner / total;
   return { wide, height: total + margin.t + margin.b, first: { x: [0, 1], y: [(inner + gap) / total, 1] },
-    second: { x: [0, 1], y: [0, share] }, bar: { len: 0.8 * share, y: share / 2 }, aspect: inner / (firstHeight || inner) };
+    second: { x: [0, 1], y: [0, share] }, bar: { len: 0.8 * share, y: share / 2 },
+      aspect: inner / (firstHeight || inner) };
 }
 
 function axisKey(letter, i) { return `${letter}axis${i === 0 ? "" : i + 1}`; }
@@ -192,7 +197,8 @@ function axisName(letter, i) { return `${letter}${i === 0 ? "" : i + 1}`; }
 
 // An entry of the legend by itself, of a size that can be seen; the traces of its group stay out of it.
 function legendEntry(name, marker, line) {
-  return { type: "scatter", mode: line ? "lines+markers" : "markers", x: [null], y: [null], name, legendgroup: name, hoverinfo: "skip",
+  return { type: "scatter", mode: line ? "lines+markers" : "markers", x: [null], y: [null], name, legendgroup: name,
+    hoverinfo: "skip",
     marker: Object.assign({ size: 8 }, marker), line: line || undefined };
 }
 

@@ -15,8 +15,10 @@ function masthead() {
   const made = [DATA.program, DATA.created.replace("T", " ").replace(/(:\d\d)?Z$/, " UTC")].filter(Boolean).join(" · ");
   document.getElementById("masthead").append(
     h("div", { class: "masthead-row" },
-      h("div", {}, h("p", { class: "kicker" }, "Reflectance report"), h("h1", {}, DATA.title), h("p", { class: "made" }, made)),
-      h("div", { class: "actions" }, themeButton(), h("button", { type: "button", class: "quiet", onclick: () => window.print() }, "Print"))));
+      h("div", {}, h("p", { class: "kicker" }, "Reflectance report"), h("h1", {}, DATA.title),
+        h("p", { class: "made" }, made)),
+      h("div", { class: "actions" }, themeButton(),
+        h("button", { type: "button", class: "quiet", onclick: () => window.print() }, "Print"))));
 }
 
 // Key numbers: one column a wavelength, and beside them the figures of the fit as a whole.
@@ -26,7 +28,8 @@ function keyNumbers(sample) {
     [{ title: "", align: "left" }, ...sample.wavelengths_nm.map((nm) => ({ wavelength_nm: nm }))],
     sample.key.rows.map((r) => [r.name, ...r.cells.map((c) => c || "–")]), { class: "key" }));
   parts.push(h("dl", { class: "facts" }, sample.key.facts.map((f) =>
-    h("div", {}, h("dt", {}, f.name), h("dd", { class: f.tone || null }, f.value), f.note ? h("dd", { class: "fact-note" }, f.note) : null))));
+    h("div", {}, h("dt", {}, f.name), h("dd", { class: f.tone || null }, f.value),
+      f.note ? h("dd", { class: "fact-note" }, f.note) : null))));
   return h("div", { class: "key-numbers" }, parts.reverse());
 }
 
@@ -37,16 +40,22 @@ function sampleArticle(sample) {
     sample.warnings.length ? h("ul", { class: "warnings" }, sample.warnings.map((w) => h("li", {}, w))) : null,
     sample.key.rows.length || sample.key.facts.length ? keyNumbers(sample) : null,
   ];
-  if (sample.brdf) children.push(section(`${prefix}-brdf`, "BRDF in the plane of incidence", null, curveFigure(sample, "brdf").node));
-  if (sample.dolp) children.push(section(`${prefix}-dolp`, "Degree of linear polarisation", null, curveFigure(sample, "dolp").node));
+  if (sample.brdf) children.push(section(`${prefix}-brdf`, "BRDF in the plane of incidence", null,
+    curveFigure(sample, "brdf").node));
+  if (sample.dolp) children.push(section(`${prefix}-dolp`, "Degree of linear polarisation", null,
+    curveFigure(sample, "dolp").node));
   if (sample.lobe) children.push(section(`${prefix}-lobe`, "Full BRDF", null, lobeFigure(sample).node));
   if (sample.prediction) {
     const set = sample.prediction;
-    children.push(section(`${prefix}-prediction`, "Prediction out of the plane", set.lead, predictionFigure(sample).node,
-      table([{ title: "state", align: "left" }, { title: "λ", align: "left" }, { title: "in plane: n" }, { title: "median" }, { title: "90 % below" },
+    children.push(section(`${prefix}-prediction`, "Out of the plane of incidence", set.lead,
+      predictionFigure(sample).node,
+      table([{ title: "state", align: "left" }, { title: "λ", align: "left" }, { title: "in plane: n" },
+        { title: "median" }, { title: "90 % below" },
         { title: "out of plane: n" }, { title: "median" }, { title: "90 % below" }, { title: "mean, signed" }],
-      set.statistics.map((s) => [s.state, wavelengthLabel(s.wavelength_nm), s.in_plane.points, s.in_plane.median, s.in_plane.p90,
-        s.out_of_plane.points, s.out_of_plane.median, s.out_of_plane.p90, s.out_of_plane.mean]), { caption: "Size of the relative error, |predicted/measured − 1|", class: "statistics" })));
+      set.statistics.map((s) => [s.state, wavelengthLabel(s.wavelength_nm), s.in_plane.points, s.in_plane.median,
+        s.in_plane.p90,
+        s.out_of_plane.points, s.out_of_plane.median, s.out_of_plane.p90, s.out_of_plane.mean]),
+          { caption: "Size of the relative error, |predicted/measured − 1|", class: "statistics" })));
   }
   if (sample.residuals) children.push(section(`${prefix}-residuals`, "Residuals", null, residualFigure(sample).node));
   if (sample.fit) {
@@ -55,7 +64,8 @@ function sampleArticle(sample) {
   }
   if (sample.dhr) children.push(dhrSection(sample, prefix));
   if (sample.calibration) children.push(calibrationSection(sample.calibration, prefix));
-  sample.scans.forEach((scan, i) => children.push(scanSection(scan, i, prefix, sample.scans.length > 1 ? `Raw scan: ${scan.name}` : "Raw scan")));
+  sample.scans.forEach((scan, i) => children.push(scanSection(scan, i, prefix,
+    sample.scans.length > 1 ? `Raw scan: ${scan.name}` : "Raw scan")));
   if (sample.files.length) children.push(provenanceSection(sample, prefix));
   return h("article", { id: prefix, class: "sample" }, children);
 }

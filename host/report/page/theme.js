@@ -55,8 +55,10 @@ function wavelengthDash(sample, nm) {
 
 function palette() {
   return isDark()
-    ? { text: "#e6e9ee", soft: "#a3abb8", line: "#333a45", zero: "#596273", paper: "#15181d", accent: "#7fb2ff", mark: "#8c95a4" }
-    : { text: "#1c222b", soft: "#5a6472", line: "#e3e7ec", zero: "#aab3bf", paper: "#ffffff", accent: "#1f5fbf", mark: "#7a8492" };
+    ? { text: "#e6e9ee", soft: "#a3abb8", line: "#333a45", zero: "#596273", paper: "#15181d", accent: "#7fb2ff",
+      mark: "#8c95a4" }
+    : { text: "#1c222b", soft: "#5a6472", line: "#e3e7ec", zero: "#aab3bf", paper: "#ffffff", accent: "#1f5fbf",
+      mark: "#7a8492" };
 }
 
 function applyTheme() {

@@ -13,8 +13,8 @@ namespace {
 
 using namespace test;
 
-const std::vector<std::pair<double, double>> all_states = {
-    {0, 0}, {0, 90}, {0, open_axis}, {90, 90}, {90, 0}, {90, open_axis}};
+const std::vector<std::pair<double, double>> all_states = {{0, 0},   {0, 90}, {0, open_axis},
+                                                           {90, 90}, {90, 0}, {90, open_axis}};
 
 Calibration calibrate_one(const formats::ScanTable& white, const CalibrateOptions& options = {}) {
   const StandardScan standard{white, ReferenceStandard::from_keys(white), "white", ""};
@@ -33,8 +33,9 @@ TEST(Calibrate, GainOfEachWavelengthIsRecoveredWithHonestUncertainty) {
     for (const auto& w : c.wavelengths) {
       const double u = std::sqrt(w.covariance(0, 0));
       EXPECT_LT(u, 2e-3);
-      chi2 += std::pow(std::log(w.gain_constant_v / instrument.gain_constant[w.wavelength_nm]) / u, 2) /
-              (3 * seeds);
+      chi2 +=
+          std::pow(std::log(w.gain_constant_v / instrument.gain_constant[w.wavelength_nm]) / u, 2) /
+          (3 * seeds);
     }
   }
   RecordProperty("gain_pull_chi2", std::to_string(chi2));
@@ -52,8 +53,7 @@ TEST(Calibrate, AFlatInstrumentFunctionIsNotFittedIntoTheNoise) {
     const auto c = calibrate_one(make_white(instrument, 0.99, plan, seed));
     double departure = 0;
     for (double t = -84; t <= 84; t += 4)
-      departure =
-          std::max(departure, std::abs(c.wavelengths[0].instrument_function.value(t) - 1));
+      departure = std::max(departure, std::abs(c.wavelengths[0].instrument_function.value(t) - 1));
     flat += departure < 5e-4;
     worst = std::max(worst, departure);
   }
@@ -130,7 +130,8 @@ TEST(Calibrate, DetectorBiasIsFoundWhereItExistsAndLeftOutWhereItDoesNot) {
   plan.states = all_states;
   Instrument biased;
   biased.bias = -0.03;
-  // The standard keeps 3 % of linear polarisation, which P incidence alone could not tell from bias.
+  // The standard keeps 3 % of linear polarisation, which P incidence alone could not tell from
+  // bias.
   const auto keeps = polarising([](double) { return 0.99 / std::numbers::pi; }, 0, 0, 0.03);
   double chi2 = 0;
   const int seeds = 30;
@@ -165,9 +166,8 @@ TEST(Calibrate, DetectorBiasIsFoundWhereItExistsAndLeftOutWhereItDoesNot) {
 
 TEST(Calibrate, ATabulatedStandardThatIsNotLambertianLeavesTheInstrumentFunctionFlat) {
   // The size of real sintered PTFE: 1.06 of 1/pi near the normal, .82 at 80 degrees.
-  const auto real = depolarising([](double t, double) {
-    return (1.06 - 0.24 * std::pow(t / 80, 2)) / std::numbers::pi;
-  });
+  const auto real = depolarising(
+      [](double t, double) { return (1.06 - 0.24 * std::pow(t / 80, 2)) / std::numbers::pi; });
   formats::BrdfTable table;
   for (double wavelength : {500.0, 560.0})
     for (double theta_i : {0.0, 30.0})
@@ -210,8 +210,8 @@ TEST(Calibrate, ATabulatedStandardThatIsNotLambertianLeavesTheInstrumentFunction
 TEST(Calibrate, AStandardWithoutATableCarriesTheDoubtOfItsShapeAndPolarisation) {
   // Brighter near the normal than Lambert's law, as real tiles are, and polarising a little.
   const auto tile = polarising(
-      [](double t) { return 0.99 / std::numbers::pi * (1 + 0.15 * ReferenceStandard::shape(t)); }, 0,
-      0.008, 0.03);
+      [](double t) { return 0.99 / std::numbers::pi * (1 + 0.15 * ReferenceStandard::shape(t)); },
+      0, 0.008, 0.03);
   Plan plan;
   plan.step = 2;
   plan.states = all_states;
@@ -245,6 +245,23 @@ TEST(Calibrate, OutliersAmongTheStandardsRecordsAreLeftOut) {
   EXPECT_NEAR(w.gain_constant_v / 600, 1, 3e-3);
 }
 
+TEST(Calibrate, TheDetectorsShadowIsLeftOutAndPassedOnToTheReduction) {
+  Instrument instrument;
+  Plan plan;
+  plan.step = 2;
+  auto white = make_white(instrument, 0.99, plan, 3);
+  auto sample = make_scan(instrument, lambertian(0.4), plan, 4);
+  for (auto* scan : {&white, &sample})
+    for (std::size_t i = 0; i < scan->size(); ++i)
+      if (std::abs(scan->theta_r_deg[i]) < 1) scan->x_v[i] = 1e-7;
+  const Calibration c = calibrate_one(white);
+  EXPECT_NEAR(c.wavelengths[0].gain_constant_v / 600, 1, 2e-3);
+  EXPECT_NEAR(c.retro_shadow_deg, 2.0, 1e-9) << "up to the nearest good record";
+  const Reduction reduction = reduce(sample, c);
+  EXPECT_EQ(reduction.summary.in_shadow, 1U);
+  EXPECT_NEAR(reduction.table.dhr.dhr.at(0), 0.4, 0.002);
+}
+
 TEST(Calibrate, OtherStandardsAreCheckedAgainstTheirStatedReflectance) {
   Instrument instrument;
   Plan plan;
@@ -252,7 +269,8 @@ TEST(Calibrate, OtherStandardsAreCheckedAgainstTheirStatedReflectance) {
   plan.step = 2;
   std::vector<StandardScan> standards;
   for (double rho : {0.99, 0.70, 0.50}) {
-    const auto scan = make_white(instrument, rho, plan, static_cast<std::uint64_t>(100 * rho), 0.005);
+    const auto scan =
+        make_white(instrument, rho, plan, static_cast<std::uint64_t>(100 * rho), 0.005);
     standards.push_back({scan, ReferenceStandard::from_keys(scan), "SRS", "00"});
   }
   const Calibration c = calibrate(standards);

@@ -23,7 +23,8 @@ class CalibrationFile : public ::testing::Test {
  protected:
   void SetUp() override {
     const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::temp_directory_path() / (std::string("umov_calibrate_") + test->name());
+    folder_ =
+        std::filesystem::temp_directory_path() / (std::string("umov_calibrate_") + test->name());
     std::filesystem::create_directories(folder_);
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
@@ -94,7 +95,8 @@ TEST_F(CalibrationFile, DamagedTruncatedAndForeignFilesAreRefused) {
   write("text.h5", "gain = 600\n");
   for (const char* name : {"damaged.h5", "short.h5", "text.h5", "absent.h5"})
     EXPECT_THROW(read_calibration(folder_ / name), Error) << name;
-  const auto table = reduce(make_scan(Instrument{}, lambertian(0.3), Plan{}, 9), rich_calibration()).table;
+  const auto table =
+      reduce(make_scan(Instrument{}, lambertian(0.3), Plan{}, 9), rich_calibration()).table;
   formats::write_brdf_h5(folder_ / "brdf.h5", table, {});
   EXPECT_THROW(read_calibration(folder_ / "brdf.h5"), Error);
 }
@@ -109,9 +111,10 @@ TEST_F(CalibrationFile, StandardsAreReadWithTheirKeysOrTheirTable) {
   EXPECT_EQ(by_keys.sha256.size(), 64U);
   EXPECT_FALSE(by_keys.reference.tabulated());
 
-  write("tile.csv",
-        "# a tile\ntheta_i_deg,theta_r_deg,wavelength_nm,brdf_per_sr\n0,-85,500,0.30\n0,0,500,0.33\n"
-        "0,85,500,0.30\n0,-85,600,0.30\n0,0,600,0.33\n0,85,600,0.30\n");
+  write(
+      "tile.csv",
+      "# a tile\ntheta_i_deg,theta_r_deg,wavelength_nm,brdf_per_sr\n0,-85,500,0.30\n0,0,500,0.33\n"
+      "0,85,500,0.30\n0,-85,600,0.30\n0,0,600,0.33\n0,85,600,0.30\n");
   white.set_key("reference_brdf", "tile.csv");
   formats::write_scan_csv(white, folder_ / "white.csv");
   const StandardScan by_table = read_standard(folder_ / "white.csv");
@@ -126,7 +129,8 @@ TEST_F(CalibrationFile, StandardsAreReadWithTheirKeysOrTheirTable) {
 TEST_F(CalibrationFile, BadReferenceTablesAreRefusedWithTheirPlace) {
   write("column.csv", "theta_i_deg,theta_r_deg,brdf_per_sr\n0,0,0.3\n");
   EXPECT_NE(problem_of("column.csv").find("wavelength_nm"), std::string::npos);
-  write("number.csv", "theta_i_deg,theta_r_deg,wavelength_nm,brdf_per_sr\n0,0,532,0.3\n0,x,532,0.3\n");
+  write("number.csv",
+        "theta_i_deg,theta_r_deg,wavelength_nm,brdf_per_sr\n0,0,532,0.3\n0,x,532,0.3\n");
   EXPECT_NE(problem_of("number.csv").find("number.csv:3:theta_r_deg"), std::string::npos);
   write("nan.csv", "theta_i_deg,theta_r_deg,wavelength_nm,brdf_per_sr\n0,0,532,nan\n");
   EXPECT_NE(problem_of("nan.csv").find(":2:"), std::string::npos);

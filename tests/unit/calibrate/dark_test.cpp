@@ -57,7 +57,8 @@ TEST(Dark, ClosedRowsOutsideOfABlockCountAndOpenRowsInAShutterBlockDoNot) {
 TEST(Dark, MeasuredLevelsOfASecondScanFillGaps) {
   Dark own, other;
   own.levels = {{10, 0, 1e-6, 0, 1e-6, 0}, {100, 2e-6, 1e-7, 0, 1e-7, 5}};
-  other.levels = {{10, 4e-6, 1e-7, 0, 1e-7, 9}, {100, 9e-6, 1e-7, 0, 1e-7, 9}, {1000, 1e-6, 1e-7, 0, 1e-7, 9}};
+  other.levels = {
+      {10, 4e-6, 1e-7, 0, 1e-7, 9}, {100, 9e-6, 1e-7, 0, 1e-7, 9}, {1000, 1e-6, 1e-7, 0, 1e-7, 9}};
   const Dark merged = merge(own, other);
   EXPECT_EQ(merged.at(10).x_v, 4e-6);
   EXPECT_EQ(merged.at(100).x_v, 2e-6);
@@ -79,7 +80,8 @@ TEST(ScanRows, BlocksThatChangeTheLightPathAreLeftOut) {
                  {"home_made", 23, 23, {}}};
   const ScanRows set_up = sort_rows(scan);
   for (std::size_t i : {0U, 12U, 20U, 24U}) EXPECT_EQ(set_up.row[i], RowUse::plain) << i;
-  for (std::size_t i : {10U, 14U, 16U, 18U, 22U, 23U}) EXPECT_EQ(set_up.row[i], RowUse::changed) << i;
+  for (std::size_t i : {10U, 14U, 16U, 18U, 22U, 23U})
+    EXPECT_EQ(set_up.row[i], RowUse::changed) << i;
   EXPECT_EQ(set_up.notes.size(), 7U);
 }
 
@@ -115,8 +117,8 @@ TEST(GainRange, RatioIsFoundFromSignalsMeasuredInTwoRanges) {
     for (std::size_t i = 0; i < second.size(); ++i) {
       std::mt19937_64 random(seed * 7919 + i);
       add_record(scan, instrument, random, 0, second.theta_r_deg[i], 532, open_axis, open_axis, 100,
-                 nominal_signal(instrument, lambertian(0.9), 0, second.theta_r_deg[i], 532, open_axis,
-                                open_axis),
+                 nominal_signal(instrument, lambertian(0.9), 0, second.theta_r_deg[i], 532,
+                                open_axis, open_axis),
                  true);
     }
     const ScanRows set_up = sort_rows(scan);

@@ -48,10 +48,9 @@ TEST(Dhr, OfACosinePowerLobeMatchesTheClosedForm) {
   for (double n : {1.0, 10.0, 100.0}) {
     Plan plan;
     plan.step = 2;
-    auto table = table_of(depolarising([n](double t, double) {
-                            return 0.5 * std::pow(std::cos(t * degree), n);
-                          }),
-                          plan);
+    auto table = table_of(
+        depolarising([n](double t, double) { return 0.5 * std::pow(std::cos(t * degree), n); }),
+        plan);
     const auto detail = add_dhr(table);
     const double truth = 2 * std::numbers::pi * 0.5 / (n + 2);
     EXPECT_NEAR(detail[0].dhr / truth, 1, 2e-3) << n;
@@ -60,9 +59,8 @@ TEST(Dhr, OfACosinePowerLobeMatchesTheClosedForm) {
 }
 
 TEST(Dhr, CoarseStepsAndAShortReachWidenTheStatedUncertainty) {
-  const auto lobe = depolarising([](double t, double) {
-    return 0.1 + 3 * std::exp(-0.5 * std::pow(t / 5, 2));
-  });
+  const auto lobe =
+      depolarising([](double t, double) { return 0.1 + 3 * std::exp(-0.5 * std::pow(t / 5, 2)); });
   Plan fine, coarse, shorter;
   fine.step = 1;
   coarse.step = 6;
@@ -96,10 +94,9 @@ TEST(Dhr, OneSideOfTheNormalIsEnough) {
   Plan plan;
   plan.step = 2;
   plan.from = 0;
-  auto table = table_of(depolarising([](double t, double) {
-                          return 0.5 * std::pow(std::cos(t * degree), 10);
-                        }),
-                        plan);
+  auto table = table_of(
+      depolarising([](double t, double) { return 0.5 * std::pow(std::cos(t * degree), 10); }),
+      plan);
   EXPECT_NEAR(add_dhr(table)[0].dhr, std::numbers::pi / 12, 5e-4);
 }
 
@@ -143,7 +140,8 @@ TEST(Dhr, FromScanToReflectanceTheUncertaintyIsHonest) {
     white.set_key("reference_dhr_532", std::to_string(0.9 + 0.004 * normal(random)));
     const StandardScan standard{white, ReferenceStandard::from_keys(white), "white", ""};
     const auto calibration = calibrate(std::span(&standard, 1));
-    const auto table = reduce(make_scan(instrument, lambertian(0.4), plan, seed + 700), calibration).table;
+    const auto table =
+        reduce(make_scan(instrument, lambertian(0.4), plan, seed + 700), calibration).table;
     square += std::pow((table.dhr.dhr.at(0) - 0.4) / table.dhr.dhr_u[0], 2) / seeds;
   }
   RecordProperty("dhr_pull_variance", std::to_string(square));

@@ -22,13 +22,16 @@ TEST(Noise, TheLawFollowsTheTrueVarianceOverSignalAndRange) {
   Plan plan;
   plan.step = 1;
   plan.theta_i = {0, 20, 40, 60};
-  const auto lobe = depolarising([](double t, double) { return 0.02 + 3 * std::exp(-t * t / 200); });
+  const auto lobe =
+      depolarising([](double t, double) { return 0.02 + 3 * std::exp(-t * t / 200); });
   double worst = 0, square = 0;
   int count = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const NoiseModel model = fit_noise(make_scan(instrument, lobe, plan, seed));
-    for (const auto& [s, gain] : {std::pair{0.0013, 1000.0}, {0.004, 100.0}, {0.014, 100.0}, {0.05, 10.0}, {0.14, 10.0}}) {
-      const double error = model.variance_x(532, gain, s) / true_variance(instrument, s, gain) - 1.0;
+    for (const auto& [s, gain] :
+         {std::pair{0.0013, 1000.0}, {0.004, 100.0}, {0.014, 100.0}, {0.05, 10.0}, {0.14, 10.0}}) {
+      const double error =
+          model.variance_x(532, gain, s) / true_variance(instrument, s, gain) - 1.0;
       worst = std::max(worst, std::abs(error));
       square += error * error;
       ++count;
@@ -72,7 +75,8 @@ TEST(Noise, ThreeRecordsStillGiveALaw) {
     const auto scan = make_scan(instrument, lambertian(0.9), plan, seed);
     ASSERT_EQ(scan.size(), 3U);
     const double s = scan.x_v[1], gain = scan.gain[1];
-    const double ratio = fit_noise(scan).variance_x(532, gain, s) / true_variance(instrument, s, gain);
+    const double ratio =
+        fit_noise(scan).variance_x(532, gain, s) / true_variance(instrument, s, gain);
     EXPECT_GT(ratio, 0.05);
     EXPECT_LT(ratio, 8.0);
     log_ratio += std::log(ratio) / 40;

@@ -20,9 +20,12 @@ Calibration calibrate_one(const formats::ScanTable& white) {
   return calibrate(std::span(&standard, 1));
 }
 
-double lobe(double t) { return 0.03 + 2.5 * std::exp(-0.5 * std::pow((t - 30) / 6, 2)); }
+double lobe(double t) {
+  return 0.03 + 2.5 * std::exp(-0.5 * std::pow((t - 30) / 6, 2));
+}
 
-const formats::BrdfTable::Factor* factor_named(const formats::BrdfTable& table, const std::string& name) {
+const formats::BrdfTable::Factor* factor_named(const formats::BrdfTable& table,
+                                               const std::string& name) {
   for (const auto& f : table.factors)
     if (f.name == name) return &f;
   return nullptr;
@@ -64,8 +67,8 @@ TEST(Reduce, IndependentUncertaintyIsWhatThePointsScatter) {
 }
 
 TEST(Reduce, SharedFactorsCoverTheErrorsThatTheCalibrationBrings) {
-  // The gain of a short white scan, a wrong stated reflectance, a wrong range: seen in the mean over
-  // a flat sample, which has next to no noise of its own.
+  // The gain of a short white scan, a wrong stated reflectance, a wrong range: seen in the mean
+  // over a flat sample, which has next to no noise of its own.
   Plan white_plan;
   white_plan.step = 12;
   Plan plan;
@@ -78,7 +81,9 @@ TEST(Reduce, SharedFactorsCoverTheErrorsThatTheCalibrationBrings) {
     Instrument instrument;
     instrument.relative = 0.003;
     const double e10 = 1e-3 * normal(random), e100 = 1e-3 * normal(random);
-    instrument.range_error = [=](double gain) { return gain == 10 ? e10 : gain == 100 ? e100 : 0.0; };
+    instrument.range_error = [=](double gain) {
+      return gain == 10 ? e10 : gain == 100 ? e100 : 0.0;
+    };
     auto white = make_white(instrument, 0.9, white_plan, seed, 0.004);
     white.set_key("reference_dhr_532", std::to_string(0.9 + 0.004 * normal(random)));
     const auto sample = make_scan(instrument, lambertian(0.3), plan, seed + 5000);
@@ -167,8 +172,9 @@ TEST(Reduce, DriftThatTheMonitorSeesAndNeutralDensityCancel) {
     scan.x_v[i] *= power;
     scan.monitor_v[i] *= power;
   }
-  scan.blocks = {{"main", 0, 29, {}},
-                 {"nd", 30, static_cast<std::int64_t>(scan.size()) - 1, {{"optical_density", "1"}}}};
+  scan.blocks = {
+      {"main", 0, 29, {}},
+      {"nd", 30, static_cast<std::int64_t>(scan.size()) - 1, {{"optical_density", "1"}}}};
   const Reduction result = reduce(scan, calibration);
   for (std::size_t i = 0; i < result.table.points.size(); ++i)
     EXPECT_NEAR(result.table.points.brdf_per_sr[i] * std::numbers::pi / 0.5, 1, 0.02);
@@ -211,7 +217,8 @@ TEST(Reduce, AScanOfAnotherSolidAngleOrWavelengthIsScaledOrRefused) {
   instrument.solid_angle_sr = 2e-4;
   auto scan = make_scan(instrument, lambertian(0.5), Plan{}, 2);
   scan.set_key("solid_angle_sr", "2e-4");
-  EXPECT_NEAR(reduce(scan, calibration).table.points.brdf_per_sr[21] * std::numbers::pi, 0.5, 0.004);
+  EXPECT_NEAR(reduce(scan, calibration).table.points.brdf_per_sr[21] * std::numbers::pi, 0.5,
+              0.004);
   Plan other;
   other.wavelengths = {633};
   try {

@@ -19,8 +19,8 @@ constexpr double degree = std::numbers::pi / 180.0;
 inline const double open_axis = std::nan("");
 
 /// BRDF seen through polariser and analyser, 1/sr.
-using Brdf = std::function<double(double theta_i, double theta_r, double wavelength, double polarizer,
-                                  double analyzer)>;
+using Brdf = std::function<double(double theta_i, double theta_r, double wavelength,
+                                  double polarizer, double analyzer)>;
 
 /// Depolarising sample whose total BRDF is `total`.
 inline Brdf depolarising(std::function<double(double theta_r, double wavelength)> total) {
@@ -47,14 +47,14 @@ inline Brdf polarising(std::function<double(double)> total, double m01, double m
 struct Instrument {
   std::map<double, double> gain_constant = {{532, 600.0}, {633, 700.0}, {814, 520.0}};
   std::function<double(double)> instrument_function = [](double) { return 1.0; };
-  std::function<double(double)> dark_v = [](double) { return 0.0; };         ///< of range
-  std::function<double(double)> range_error = [](double) { return 0.0; };    ///< of range
+  std::function<double(double)> dark_v = [](double) { return 0.0; };       ///< of range
+  std::function<double(double)> range_error = [](double) { return 0.0; };  ///< of range
   double phase_rad = 0;
   double bias = 0;
   double base_v = 1e-6, adc_v = 1e-4, shot_v = 2e-9, relative = 5e-4;
-  double monitor_relative = 0;     ///< noise of the monitor alone
-  double source_relative = 0;      ///< fluctuation that signal and monitor share, a record
-  double slow_relative = 0;        ///< of the signal from record to record, unseen by block scatter
+  double monitor_relative = 0;  ///< noise of the monitor alone
+  double source_relative = 0;   ///< fluctuation that signal and monitor share, a record
+  double slow_relative = 0;     ///< of the signal from record to record, unseen by block scatter
   double solid_angle_sr = 1e-4;
   int block_dof = 9;
 };
@@ -64,7 +64,8 @@ struct Plan {
   std::vector<double> theta_i = {0};
   double from = -84, to = 84, step = 4;
   std::vector<std::pair<double, double>> states = {{open_axis, open_axis}};
-  double gain = 0;  ///< 0 = by signal: up to .15 V range 10, up to .015 V range 100, below .0015 V 1000
+  double gain =
+      0;  ///< 0 = by signal: up to .15 V range 10, up to .015 V range 100, below .0015 V 1000
   int repeats = 1;
 };
 
@@ -73,19 +74,20 @@ inline double auto_range(double signal) {
   return s > 0.15 ? 1 : s > 0.015 ? 10 : s > 0.0015 ? 100 : 1000;
 }
 
-inline void add_record(formats::ScanTable& scan, const Instrument& instrument, std::mt19937_64& random,
-                       double theta_i, double theta_r, double wavelength, double polarizer,
-                       double analyzer, double gain, double nominal_v, bool shutter_open) {
+inline void add_record(formats::ScanTable& scan, const Instrument& instrument,
+                       std::mt19937_64& random, double theta_i, double theta_r, double wavelength,
+                       double polarizer, double analyzer, double gain, double nominal_v,
+                       bool shutter_open) {
   std::normal_distribution<double> normal;
   std::chi_squared_distribution<double> chi2(instrument.block_dof);
   const double source = 1.0 + instrument.source_relative * normal(random);
-  double s = shutter_open ? nominal_v * source * (1.0 + instrument.slow_relative * normal(random)) : 0.0;
+  double s =
+      shutter_open ? nominal_v * source * (1.0 + instrument.slow_relative * normal(random)) : 0.0;
   if (gain == 0) gain = auto_range(s);
   s = s * (1.0 + instrument.range_error(gain));
-  const double variance = instrument.base_v * instrument.base_v +
-                          instrument.adc_v * instrument.adc_v / (gain * gain) +
-                          instrument.shot_v * std::abs(s) +
-                          instrument.relative * instrument.relative * s * s;
+  const double variance =
+      instrument.base_v * instrument.base_v + instrument.adc_v * instrument.adc_v / (gain * gain) +
+      instrument.shot_v * std::abs(s) + instrument.relative * instrument.relative * s * s;
   const double variance_y = variance - instrument.relative * instrument.relative * s * s;
   const auto se = [&](double v) { return std::sqrt(v * chi2(random) / instrument.block_dof); };
   scan.index.push_back(static_cast<std::int64_t>(scan.index.size()));
@@ -108,8 +110,8 @@ inline void add_record(formats::ScanTable& scan, const Instrument& instrument, s
   scan.shutter_open.push_back(shutter_open ? 1 : 0);
 }
 
-inline double nominal_signal(const Instrument& instrument, const Brdf& f, double theta_i, double theta_r,
-                             double wavelength, double polarizer, double analyzer) {
+inline double nominal_signal(const Instrument& instrument, const Brdf& f, double theta_i,
+                             double theta_r, double wavelength, double polarizer, double analyzer) {
   double seen = f(theta_i, theta_r, wavelength, polarizer, analyzer);
   if (std::isnan(analyzer))
     seen += instrument.bias * (f(theta_i, theta_r, wavelength, polarizer, 90) -
@@ -131,10 +133,11 @@ inline formats::ScanTable make_scan(const Instrument& instrument, const Brdf& f,
       for (const auto& [polarizer, analyzer] : plan.states)
         for (double theta_r = plan.from; theta_r <= plan.to + 1e-9; theta_r += plan.step)
           for (int repeat = 0; repeat < plan.repeats; ++repeat)
-            add_record(scan, instrument, random, theta_i, theta_r, wavelength, polarizer, analyzer,
-                       plan.gain,
-                       nominal_signal(instrument, f, theta_i, theta_r, wavelength, polarizer, analyzer),
-                       true);
+            add_record(
+                scan, instrument, random, theta_i, theta_r, wavelength, polarizer, analyzer,
+                plan.gain,
+                nominal_signal(instrument, f, theta_i, theta_r, wavelength, polarizer, analyzer),
+                true);
   return scan;
 }
 
@@ -155,7 +158,8 @@ inline formats::ScanTable make_white(const Instrument& instrument, double rho, P
   formats::ScanTable scan = make_scan(instrument, lambertian(rho), plan, seed);
   scan.set_key("role", "white");
   for (double wavelength : plan.wavelengths)
-    scan.set_key("reference_dhr_" + std::to_string(static_cast<int>(wavelength)), std::to_string(rho));
+    scan.set_key("reference_dhr_" + std::to_string(static_cast<int>(wavelength)),
+                 std::to_string(rho));
   scan.set_key("reference_dhr_u", std::to_string(dhr_u));
   scan.set_key("reference_shape_u", "0");  // this one is Lambertian and depolarises indeed
   scan.set_key("reference_polarization_u", "0");

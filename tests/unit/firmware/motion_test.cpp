@@ -83,14 +83,14 @@ TEST(Motion, MakesStepEdgesOnTheTicksOfTheProfile) {
   ASSERT_TRUE(bench.wait_for(pr::State::idle, 60));
   const auto& s = fw::default_axes[detector];
   const fw::Profile profile(
-      17'778,
+      20'000,
       fw::motion_limits(s.steps_per_turn, s.speed_mdeg_s, s.acceleration_mdeg_s2, s.jerk_mdeg_s3),
       fw::step_timer_hz);
-  ASSERT_EQ(world.step_times.size(), 17'778u);
+  ASSERT_EQ(world.step_times.size(), 20'000u);
   const double begin =
       world.step_times[0] - static_cast<double>(profile.step_tick(1, 0)) / fw::step_timer_hz;
   double worst = 0;
-  for (std::uint32_t k = 1; k <= 17'778; ++k) {
+  for (std::uint32_t k = 1; k <= 20'000; ++k) {
     const double due =
         static_cast<double>(profile.step_tick(k, profile.total_ticks() / 3)) / fw::step_timer_hz;
     worst = std::max(worst, std::fabs(world.step_times[k - 1] - begin - due));
@@ -159,7 +159,7 @@ TEST(Motion, DeceleratesAtALimitSwitchLatchesAFaultAndCanBeMovedAway) {
   Bench bench(world);
   ASSERT_TRUE(bench.hello());
   ASSERT_TRUE(bench.home_all());
-  world.upper[detector] = fw::steps_from_udeg(30 * degree, 320'000);
+  world.upper[detector] = fw::steps_from_udeg(30 * degree, 360'000);
   ASSERT_TRUE(bench.ask(pr::Move{detector, 60 * degree}));
   ASSERT_TRUE(bench.wait_for(pr::State::safe, 10));
   bench.board.run_for(400'000);
@@ -168,7 +168,7 @@ TEST(Motion, DeceleratesAtALimitSwitchLatchesAFaultAndCanBeMovedAway) {
   EXPECT_EQ(bench.heard.faults[0].detail, detector);
   EXPECT_GT(world.position[detector], world.upper[detector]);
   // v^2 / 2a + v a / 2j = 2 + 1 degrees, and the tick in which it is planned.
-  EXPECT_LT(world.position[detector], fw::steps_from_udeg(33'200'000, 320'000));
+  EXPECT_LT(world.position[detector], fw::steps_from_udeg(33'200'000, 360'000));
   EXPECT_EQ(bench.board.position_steps(detector), world.position[detector]);
   EXPECT_EQ(bench.refusal_of(pr::Move{detector, 0}), pr::Refusal::fault_active);
   EXPECT_EQ(bench.refusal_of(pr::Home{2}), pr::Refusal::fault_active);
@@ -181,7 +181,7 @@ TEST(Motion, DeceleratesAtALimitSwitchLatchesAFaultAndCanBeMovedAway) {
   ASSERT_TRUE(bench.ask(pr::ClearFault{static_cast<std::uint8_t>(pr::Fault::limit)}));
   ASSERT_TRUE(bench.ask(pr::Move{detector, 5 * degree}));
   ASSERT_TRUE(bench.wait_for(pr::State::idle, 10));
-  EXPECT_EQ(world.position[detector], fw::steps_from_udeg(5 * degree, 320'000));
+  EXPECT_EQ(world.position[detector], fw::steps_from_udeg(5 * degree, 360'000));
 }
 
 TEST(Motion, ArrivesAlwaysFromBelowWhenTakeUpIsOn) {
@@ -214,12 +214,12 @@ TEST(Motion, RefusesSettingsTheStepTimerCannotFollow) {
   const auto& s = fw::default_axes[detector];
   pr::SetAxis change{detector,       s.min_udeg, s.max_udeg, 720'000, s.acceleration_mdeg_s2,
                      s.jerk_mdeg_s3, 0};
-  EXPECT_EQ(bench.refusal_of(change), pr::Refusal::out_of_range);  // 640,000 steps/s
-  change.speed_mdeg_s = 560'000;
+  EXPECT_EQ(bench.refusal_of(change), pr::Refusal::out_of_range);  // 720,000 steps/s
+  change.speed_mdeg_s = 480'000;
   EXPECT_EQ(bench.refusal_of(change), pr::Refusal::none);
   const auto info = bench.ask(pr::GetAxis{detector});
   ASSERT_TRUE(info);
-  EXPECT_EQ(info->speed_mdeg_s, 560'000u);
+  EXPECT_EQ(info->speed_mdeg_s, 480'000u);
   change.min_udeg = change.max_udeg;
   EXPECT_EQ(bench.refusal_of(change), pr::Refusal::out_of_range);
 }

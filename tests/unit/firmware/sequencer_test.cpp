@@ -61,7 +61,7 @@ class ScanHost {
     for (std::uint32_t i = 0; i < taken.size(); ++i) {
       ASSERT_EQ(taken[i].index, first + i);
       ASSERT_EQ(taken[i].position_steps[1],
-                fw::steps_from_udeg(Bench::row(first + i).target_udeg[1], 320'000));
+                fw::steps_from_udeg(Bench::row(first + i).target_udeg[1], 360'000));
       if (i > 0) {
         ASSERT_GT(taken[i].time_us, taken[i - 1].time_us);
       }

@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iostream>
 #include <map>
 
 #include "host/brdf/dhr.hpp"
+#include "host/formats/atomic_file.hpp"
+#include "host/formats/hdf5_image.hpp"
 #include "host/invert/invert.hpp"
 #include "host/invert/prediction.hpp"
 #include "tests/unit/invert/synthetic_measurement.hpp"
@@ -93,6 +96,18 @@ TEST(Intervals, CoverTheTruthForTheFourCoefficientModelToo) {
   print("li-torrance", coverage);
   EXPECT_GT(coverage.share(), 0.90);
   EXPECT_LT(coverage.share(), 0.98);
+}
+
+TEST(Intervals, CoverTheTruthUnderThePapersObjectiveToo) {
+  test::Scene scene = test::black_paint();
+  scene.gain_sigma = 0.005;
+  scene.floor_per_sr = 2e-5;  // relative deviations need a signal everywhere
+  Options options = quick(scene);
+  options.objective = Objective::paper;
+  const Coverage coverage = coverage_of(scene, options, 40);
+  print("paper objective", coverage);
+  EXPECT_GT(coverage.share(), 0.91);
+  EXPECT_LT(coverage.share(), 0.985);
 }
 
 TEST(Intervals, GainErrorWidensWhatScalesWithItAndNothingElse) {
@@ -279,6 +294,15 @@ TEST(Intervals, HemisphereCarriesTheUncertaintyOfTheFit) {
     EXPECT_GT(h.brdf_u[i], 0.0099 * h.brdf_per_sr[i]) << "at least the gain's";
     EXPECT_LT(h.brdf_u[i], 0.10 * h.brdf_per_sr[i]);
   }
+  const std::string path = testing::TempDir() + "umov_hemisphere_test.h5";
+  write_hemispheres_hdf5(path, {h});
+  const formats::Hdf5Reader file(formats::read_whole_file(path), path);
+  std::size_t rows = 0, columns = 0;
+  EXPECT_EQ(file.matrix("/hemisphere_532_30/brdf_per_sr", rows, columns), h.brdf_per_sr);
+  EXPECT_EQ(rows, 9U);
+  EXPECT_EQ(columns, 12U);
+  EXPECT_EQ(file.doubles("/hemisphere_532_30/theta_r_deg"), h.theta_r_deg);
+  std::filesystem::remove(path);
   // A fit read back from its file says the same.
   const Hemisphere again =
       hemisphere(formats::fit_from_json(formats::fit_to_json(fit), "fit"), 532, 30, 10, 30);

@@ -11,7 +11,7 @@
 #include "host/formats/brdf_h5.hpp"
 #include "host/report/inputs.hpp"
 #include "host/report/report.hpp"
-#include "synthetic.hpp"
+#include "tests/unit/report/synthetic.hpp"
 
 namespace umov::report {
 namespace {
@@ -23,7 +23,8 @@ class Files : public ::testing::Test {
  protected:
   Files() {
     folder_ = fs::temp_directory_path() /
-              ("umov-report-" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+              ("umov-report-" +
+               std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }
@@ -60,7 +61,8 @@ TEST_F(Files, of_another_kind_are_refused_with_their_name) {
   EXPECT_THAT(message(text("notes.txt", "hello")), HasSubstr("notes.txt"));
   EXPECT_THAT(message(text("empty.h5", "")), HasSubstr("empty.h5"));
   EXPECT_THAT(message(text("x.json", "{\"model\": 3}")), HasSubstr("x.json"));
-  EXPECT_THAT(message(text("cut.h5", std::string("\x89HDF\r\n\x1a\n", 8) + "rest")), HasSubstr("cut.h5"));
+  EXPECT_THAT(message(text("cut.h5", std::string("\x89HDF\r\n\x1a\n", 8) + "rest")),
+              HasSubstr("cut.h5"));
   EXPECT_THAT(message(path("missing.h5")), HasSubstr("missing.h5"));
 }
 
@@ -75,7 +77,8 @@ TEST_F(Files, a_report_is_written_from_files_in_any_order) {
   };
   formats::write_fit(path("gloss.json").string(), refit(gloss));
   formats::write_fit(path("standard.json").string(), refit(standard));
-  const std::vector<fs::path> files{path("standard.json"), path("gloss.json"), path("gloss.h5"), path("standard.h5")};
+  const std::vector<fs::path> files{path("standard.json"), path("gloss.json"), path("gloss.h5"),
+                                    path("standard.h5")};
   const Summary summary = write_report(files, path("report.html"), {});
   EXPECT_EQ(summary.samples, 2u);
   EXPECT_EQ(summary.bytes, fs::file_size(path("report.html")));
@@ -126,7 +129,8 @@ TEST(Group, two_fits_of_one_measurement_make_two_sections_with_names_that_tell_t
   const Sample gloss = synthetic::red_gloss();
   FitInput second = *gloss.fit;
   second.fit.model = "he-torrance";
-  const auto samples = group({*gloss.brdf, *gloss.fit, second, *synthetic::diffuse_standard().brdf});
+  const auto samples =
+      group({*gloss.brdf, *gloss.fit, second, *synthetic::diffuse_standard().brdf});
   ASSERT_EQ(samples.size(), 3u);
   EXPECT_EQ(samples[0].name, "red gloss (li-torrance)");
   EXPECT_EQ(samples[1].name, "red gloss (he-torrance)");

@@ -41,7 +41,9 @@ TEST(Numbers, without_a_usable_uncertainty_the_value_stands_alone) {
   EXPECT_EQ(with_uncertainty(NAN, 0.1), "–");
 }
 
-TEST(Numbers, a_value_that_rounds_to_zero_has_no_sign) { EXPECT_EQ(with_uncertainty(-0.00001, 0.01), "0.000 ± 0.010"); }
+TEST(Numbers, a_value_that_rounds_to_zero_has_no_sign) {
+  EXPECT_EQ(with_uncertainty(-0.00001, 0.01), "0.000 ± 0.010");
+}
 
 TEST(Numbers, counts_have_thousands_separators) {
   EXPECT_EQ(count(0), "0");

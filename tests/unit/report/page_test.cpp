@@ -2,24 +2,28 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
-#include <set>
-
+#include "host/errors/error.hpp"
 #include "host/report/report.hpp"
-#include "synthetic.hpp"
+#include "tests/unit/report/synthetic.hpp"
 
 namespace umov::report {
 namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
-using ::testing::Not;
 
-const Options options{"A title", "umov test", "umov report brdf.h5 fit.json", "2026-01-02T03:04:05Z"};
+const Options options{"A title", "umov test", "umov report brdf.h5 fit.json",
+                      "2026-01-02T03:04:05Z"};
 
-json data_of(const std::vector<Sample>& samples) { return json::parse(page_data(samples, options)); }
+json data_of(const std::vector<Sample>& samples) {
+  return json::parse(page_data(samples, options));
+}
 
 /// Text between the tags of the data element, as a browser would find it.
 std::string data_element(const std::string& html) {
@@ -30,7 +34,8 @@ std::string data_element(const std::string& html) {
 
 const json& find_curve(const json& set, double nm, double theta, const std::string& state) {
   for (const json& c : set["curves"])
-    if (c["wavelength_nm"] == nm && c["theta_i_deg"] == theta && c.value("state", state) == state) return c;
+    if (c["wavelength_nm"] == nm && c["theta_i_deg"] == theta && c.value("state", state) == state)
+      return c;
   throw std::runtime_error("no such curve");
 }
 
@@ -92,7 +97,8 @@ TEST(PageData, brdf_curves_hold_every_used_point_of_the_plane_with_its_total_unc
   // 0.8 % noise and 1 % gain, in quadrature.
   const json& curve = find_curve(brdf, 633, 30, "P,U");
   const std::size_t middle = curve["x"].size() / 2;
-  EXPECT_NEAR(curve["u"][middle].get<double>() / curve["y"][middle].get<double>(), std::hypot(0.008, 0.01), 8e-4);
+  EXPECT_NEAR(curve["u"][middle].get<double>() / curve["y"][middle].get<double>(),
+              std::hypot(0.008, 0.01), 8e-4);
 }
 
 TEST(PageData, the_retro_side_of_a_table_with_azimuth_180_is_negative) {
@@ -153,7 +159,8 @@ TEST(PageData, k_n_has_the_rows_of_the_paper_in_its_order) {
   for (const json& row : fit["k_n"]) names.push_back(row["name"]);
   EXPECT_THAT(names, ::testing::ElementsAre("k_dd", "k_uds", "k_udf", "k_fs"));
   EXPECT_EQ(fit["k_n"][1]["cells"][1]["text"], "0.4860 ± 0.0024");
-  for (const json& row : fit["parameters"]) EXPECT_EQ(row["name"].get<std::string>().find("k_"), std::string::npos);
+  for (const json& row : fit["parameters"])
+    EXPECT_EQ(row["name"].get<std::string>().find("k_"), std::string::npos);
 }
 
 TEST(PageData, a_model_without_four_k_has_only_a_parameter_table) {
@@ -220,7 +227,8 @@ TEST(PageData, a_measurement_without_a_fit_shows_what_it_has) {
   EXPECT_TRUE(one.contains("brdf"));
   EXPECT_TRUE(one.contains("dolp"));
   EXPECT_TRUE(one.contains("dhr"));
-  for (const char* part : {"fit", "lobe", "residuals", "prediction"}) EXPECT_FALSE(one.contains(part)) << part;
+  for (const char* part : {"fit", "lobe", "residuals", "prediction"})
+    EXPECT_FALSE(one.contains(part)) << part;
   for (const json& c : one["brdf"]["curves"]) EXPECT_FALSE(c.contains("model"));
 }
 
@@ -244,7 +252,8 @@ TEST(PageData, a_scan_or_calibration_alone_makes_a_section) {
   EXPECT_EQ(raw["series"].size(), 3u);
   EXPECT_EQ(raw["ranges"].size(), 4u);
   EXPECT_THAT(raw["summary"].get<std::string>(), HasSubstr("flip (records 10 to 20)"));
-  EXPECT_EQ(raw["saturated"]["time_s"].size(), (synthetic::raw_scan().file.table.size() + 905) / 911);
+  EXPECT_EQ(raw["saturated"]["time_s"].size(),
+            (synthetic::raw_scan().file.table.size() + 905) / 911);
   const json& c = data["samples"][1]["calibration"];
   EXPECT_EQ(c["curves"].size(), 3u);
   EXPECT_EQ(c["wavelengths_nm"], json({532, 633, 814}));
@@ -261,6 +270,34 @@ TEST(PageData, wavelengths_that_were_not_fitted_are_named) {
   EXPECT_EQ(one["prediction"]["wavelengths_nm"], json({532}));
 }
 
+TEST(PageData, one_point_and_an_empty_scan_are_shown_as_such) {
+  const json one = data_of({synthetic::nearly_nothing()})["samples"][0];
+  EXPECT_EQ(one["wavelengths_nm"], json({632.8}));
+  EXPECT_EQ(one["brdf"]["states"][0]["polarizer"], "45°");
+  EXPECT_EQ(one["brdf"]["curves"][0]["y"], json({-1e-5}));
+  EXPECT_FALSE(one.contains("dolp"));
+  EXPECT_THAT(one["scans"][0]["summary"].get<std::string>(), HasSubstr("0 records"));
+}
+
+TEST(PageData, a_measurement_without_points_has_no_curves) {
+  Sample sample = synthetic::nearly_nothing();
+  sample.brdf->file.table = {};
+  const json one = data_of({sample})["samples"][0];
+  EXPECT_FALSE(one.contains("brdf"));
+  EXPECT_EQ(one["wavelengths_nm"], json::array());
+}
+
+TEST(PageData, a_fit_with_an_unknown_model_is_refused_by_name) {
+  Sample sample = synthetic::diffuse_standard();
+  sample.fit->fit.model = "torrance-cook";
+  try {
+    data_of({sample});
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("torrance-cook"));
+  }
+}
+
 // Not a check by itself: the browser test lets this write a page with everything on it.
 TEST(Page, writes_a_page_for_the_browser) {
   const char* path = std::getenv("UMOV_REPORT_PAGE");
@@ -270,7 +307,7 @@ TEST(Page, writes_a_page_for_the_browser) {
   gloss.scans.push_back(synthetic::raw_scan());
   gloss.calibration = synthetic::calibration();
   std::ofstream out(path, std::ios::binary);
-  out << page({gloss, synthetic::diffuse_standard()}, options);
+  out << page({gloss, synthetic::diffuse_standard(), synthetic::nearly_nothing()}, options);
   ASSERT_TRUE(out.good());
 }
 

@@ -1,4 +1,4 @@
-#include "synthetic.hpp"
+#include "tests/unit/report/synthetic.hpp"
 
 #include <array>
 #include <cmath>
@@ -18,13 +18,16 @@ namespace {
 constexpr double p_axis = 0, s_axis = 90;
 constexpr double solid_angle_sr = 1e-4;
 
-formats::FitParameter shared(const std::string& name, const std::string& unit, double value, double half) {
-  return {name, unit, true, half == 0, {{value, value - half, value + half, half / 1.96, "", true}}};
+formats::FitParameter shared(const std::string& name, const std::string& unit, double value,
+                             double half) {
+  return {
+      name, unit, true, half == 0, {{value, value - half, value + half, half / 1.96, "", true}}};
 }
 
 formats::FitParameter spectral(const std::string& name, std::array<double, 3> values, double half) {
   formats::FitParameter out{name, "1", false, false, {}};
-  for (const double v : values) out.estimates.push_back({v, v - half, v + half, half / 1.96, "", true});
+  for (const double v : values)
+    out.estimates.push_back({v, v - half, v + half, half / 1.96, "", true});
   return out;
 }
 
@@ -50,12 +53,15 @@ formats::FitResult red_gloss_fit() {
   fit.at_bound = {"kappa 532 nm"};
   fit.correlations = {{"sigma_um", "tau_um", 0.998, {}, {}}};
   fit.identifiability = {
-      "sigma_um and tau_um are known only through their ratio, the slope 2σ/τ (correlation 0.998): at "
+      "sigma_um and tau_um are known only through their ratio, the slope 2σ/τ (correlation 0.998): "
+      "at "
       "this roughness the lobe has no other memory of them."};
   for (const double theta : {0.0, 30.0, 60.0}) {
-    const std::array<double, 3> values{0.0645 + theta * 2e-4, 0.5301 + theta * 2e-4, 0.5322 + theta * 2e-4};
+    const std::array<double, 3> values{0.0645 + theta * 2e-4, 0.5301 + theta * 2e-4,
+                                       0.5322 + theta * 2e-4};
     for (std::size_t w = 0; w < 3; ++w)
-      fit.dhr.push_back({fit.wavelengths_nm[w], theta, values[w], values[w] - 0.0031, values[w] + 0.0031});
+      fit.dhr.push_back(
+          {fit.wavelengths_nm[w], theta, values[w], values[w] - 0.0031, values[w] + 0.0031});
   }
   fit.factors = {{"gain 532 nm", 0.4, 0.3}, {"gain 633 nm", -0.7, 0.3}, {"gain 814 nm", 0.1, 0.3}};
   fit.covariance.names = {"n", "sigma_um", "tau_um", "k_udf 532 nm", "k_uds 532 nm"};
@@ -96,12 +102,17 @@ Sample red_gloss(const std::string& name) {
   formats::BrdfTable& table = brdf.file.table;
   table.keys = {{"sample", name}, {"device", "emulator"}, {"solid_angle_sr", "1e-4"}};
   for (std::size_t w = 0; w < 3; ++w)
-    table.factors.push_back({"gain " + std::to_string(static_cast<int>(fit.wavelengths_nm[w])) + " nm", {}});
+    table.factors.push_back(
+        {"gain " + std::to_string(static_cast<int>(fit.wavelengths_nm[w])) + " nm", {}});
   std::mt19937_64 random(20);
   std::normal_distribution<double> normal;
   const double open = formats::open_axis;
-  const std::array<std::array<double, 2>, 6> states{
-      {{p_axis, p_axis}, {p_axis, s_axis}, {p_axis, open}, {s_axis, s_axis}, {s_axis, p_axis}, {s_axis, open}}};
+  const std::array<std::array<double, 2>, 6> states{{{p_axis, p_axis},
+                                                     {p_axis, s_axis},
+                                                     {p_axis, open},
+                                                     {s_axis, s_axis},
+                                                     {s_axis, p_axis},
+                                                     {s_axis, open}}};
   auto& p = table.points;
   for (const double theta_i : {0.0, 30.0, 45.0, 60.0}) {
     for (const auto& state : states) {
@@ -132,8 +143,14 @@ Sample red_gloss(const std::string& name) {
     table.dhr.dhr.push_back(fit.dhr[w].value + 0.001);
     table.dhr.dhr_u.push_back(0.004);
   }
-  brdf.file.provenance = {"umov 0.1.0", "umov reduce scan.h5 --calibration cal.h5 -o brdf.h5",
-                          "2026-01-02T03:04:05Z", "emulator", "", "sample", "", ""};
+  brdf.file.provenance = {"umov 0.1.0",
+                          "umov reduce scan.h5 --calibration cal.h5 -o brdf.h5",
+                          "2026-01-02T03:04:05Z",
+                          "emulator",
+                          "",
+                          "sample",
+                          "",
+                          ""};
   brdf.file.content_sha256 = formats::content_sha256(table);
   fit.data_sha256 = brdf.file.content_sha256;
   fit.data_file = "brdf.h5";
@@ -148,8 +165,17 @@ Sample diffuse_standard() {
   formats::FitResult fit;
   fit.model = "nef";
   fit.wavelengths_nm = {532, 633};
-  fit.parameters = {{"rho_d1", "1/sr", false, false, {{0.30, 0.298, 0.302, 0.001, "", true}, {0.298, 0.296, 0.300, 0.001, "", true}}},
-                    {"rho_d2", "1/sr", false, false, {{0.004, 0.0038, 0.0042, 1e-4, "", true}, {0.004, 0.0038, 0.0042, 1e-4, "", true}}}};
+  fit.parameters = {
+      {"rho_d1",
+       "1/sr",
+       false,
+       false,
+       {{0.30, 0.298, 0.302, 0.001, "", true}, {0.298, 0.296, 0.300, 0.001, "", true}}},
+      {"rho_d2",
+       "1/sr",
+       false,
+       false,
+       {{0.004, 0.0038, 0.0042, 1e-4, "", true}, {0.004, 0.0038, 0.0042, 1e-4, "", true}}}};
   fit.points = 200;
   fit.dof = 196;
   fit.chi2 = 250;
@@ -195,8 +221,12 @@ ScanInput raw_scan() {
   formats::ScanTable& t = scan.file.table;
   t.set_key("sample", "red gloss");
   for (std::size_t i = 0; i < p.size(); ++i) {
-    const double x = 600 * p.brdf_per_sr[i] * solid_angle_sr * std::cos(p.theta_r_deg[i] * 0.01745329);
-    const double range = std::abs(x) > 0.3 ? 1 : std::abs(x) > 0.03 ? 10 : std::abs(x) > 0.003 ? 100 : 1000;
+    const double x =
+        600 * p.brdf_per_sr[i] * solid_angle_sr * std::cos(p.theta_r_deg[i] * 0.01745329);
+    const double range = std::abs(x) > 0.3     ? 1
+                         : std::abs(x) > 0.03  ? 10
+                         : std::abs(x) > 0.003 ? 100
+                                               : 1000;
     t.index.push_back(static_cast<std::int64_t>(i));
     t.time_s.push_back(0.12 * static_cast<double>(i));
     t.theta_i_deg.push_back(p.theta_i_deg[i]);
@@ -238,6 +268,22 @@ CalibrationInput calibration() {
   }
   c->notes = {"No mirror scan was given: the axes of the polarisers are taken as stated."};
   return {{"cal.h5", std::string(64, 'd')}, std::move(c)};
+}
+
+Sample nearly_nothing() {
+  Sample sample;
+  sample.name = "one point";
+  sample.brdf = BrdfInput{{"one.h5", ""}, {}};
+  auto& p = sample.brdf->file.table.points;
+  for (auto* column : {&p.theta_i_deg, &p.theta_r_deg, &p.phi_r_deg}) column->push_back(0);
+  p.wavelength_nm.push_back(632.8);
+  p.polarizer_deg.push_back(45);
+  p.analyzer_deg.push_back(formats::open_axis);
+  p.brdf_per_sr.push_back(-1e-5);
+  p.brdf_u.push_back(1e-5);
+  p.used.push_back(1);
+  sample.scans.push_back({{"empty.h5", ""}, {}});
+  return sample;
 }
 
 }  // namespace umov::report::synthetic

@@ -11,8 +11,8 @@ namespace umov::report::synthetic {
 /// noise of 1 % and a gain factor a wavelength; some points flagged. Fit: the truth with intervals.
 Sample red_gloss(const std::string& name = "red gloss");
 
-/// A nearly Lambertian standard measured over the hemisphere at 532 and 633 nm, unpolarised, θi 0, 45,
-/// 75°; its model is 2 % low beyond the plane of incidence.
+/// A nearly Lambertian standard measured over the hemisphere at 532 and 633 nm, unpolarised, θi 0,
+/// 45, 75°; its model is 2 % low beyond the plane of incidence.
 Sample diffuse_standard();
 
 /// The raw scan that belongs to red_gloss(), one record a point.
@@ -20,5 +20,8 @@ ScanInput raw_scan();
 
 /// A calibration with an instrument function for three wavelengths.
 CalibrationInput calibration();
+
+/// A measurement of one point and a scan without records: what is left when all goes wrong.
+Sample nearly_nothing();
 
 }  // namespace umov::report::synthetic

@@ -273,6 +273,7 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"dwell_ms = 50", "block = 3", 5, "block", "[[block]]"},
         Fault{"theta_i_deg = [10, 30, 45, 60]\n", "", 0, "theta_i_deg", "missing"},
         Fault{"dwell_ms = 50", "dwell_ms = ", 5, "12", "TOML"},
+        Fault{"dwell_ms = 50", "seed = [ }", 5, "10", "brackets"},
         Fault{"dwell_ms = 50", "[=]", 5, "2", "table header"},
         Fault{"dwell_ms = 50", "dwell_ms = \xef\xbd\xbd", 5, "12", "ASCII"},
         Fault{"dwell_ms = 50", "dwell\x01ms = 50", 5, "6", "control character"},
