@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "host/cli/command.hpp"
@@ -52,7 +52,8 @@ std::uint8_t axis_by_name(const std::string& name) {
 json status_json(const protocol::Status& status) {
   json positions;
   for (int axis = 0; axis < protocol::axis_count; ++axis) {
-    positions[instrument::axis_name(axis)] = 1e-6 * status.position_udeg[static_cast<std::size_t>(axis)];
+    positions[instrument::axis_name(axis)] =
+        1e-6 * status.position_udeg[static_cast<std::size_t>(axis)];
   }
   return {{"state", instrument::state_name(status.state)},
           {"fault", instrument::fault_name(status.fault)},
@@ -108,12 +109,15 @@ void info(const Options& options, const Common& common) {
   fmt::print("  filter wheel: optical density");
   for (const auto milli : device.filter_od_milli) fmt::print(" {:g}", 1e-3 * milli);
   fmt::print("\n  state {}, fault {}, interlock {}\n", instrument::state_name(status.state),
-             instrument::fault_name(status.fault), status.interlock_closed != 0 ? "closed" : "open");
-  fmt::print("  {:<10} {:>10} {:>8} {:>8} {:>9} {:>7}\n", "axis", "position/°", "min/°", "max/°", "speed °/s", "homed");
+             instrument::fault_name(status.fault),
+             status.interlock_closed != 0 ? "closed" : "open");
+  fmt::print("  {:<10} {:>10} {:>8} {:>8} {:>9} {:>7}\n", "axis", "position/°", "min/°", "max/°",
+             "speed °/s", "homed");
   for (std::size_t axis = 0; axis < axes.size(); ++axis) {
-    fmt::print("  {:<10} {:>10.3f} {:>8g} {:>8g} {:>9g} {:>7}\n", axes[axis]["name"].get<std::string>(),
-               1e-6 * status.position_udeg[axis], axes[axis]["min_deg"].get<double>(),
-               axes[axis]["max_deg"].get<double>(), axes[axis]["speed_deg_s"].get<double>(),
+    fmt::print("  {:<10} {:>10.3f} {:>8g} {:>8g} {:>9g} {:>7}\n",
+               axes[axis]["name"].get<std::string>(), 1e-6 * status.position_udeg[axis],
+               axes[axis]["min_deg"].get<double>(), axes[axis]["max_deg"].get<double>(),
+               axes[axis]["speed_deg_s"].get<double>(),
                (status.homed_mask >> axis & 1) != 0 ? "yes" : "no");
   }
 }
@@ -145,7 +149,8 @@ void print_positions(Session& session, const Common& common) {
 void home(const Options& options, const Common& common) {
   auto session = open_session(options, common);
   std::uint8_t mask = 0;
-  for (const auto& axis : options.axes) mask = static_cast<std::uint8_t>(mask | 1u << axis_by_name(axis));
+  for (const auto& axis : options.axes)
+    mask = static_cast<std::uint8_t>(mask | 1u << axis_by_name(axis));
   session.request(protocol::Home{mask != 0 ? mask : std::uint8_t{0x3f}});
   wait_until_idle(session);
   print_positions(session, common);
@@ -161,10 +166,12 @@ void jog(const Options& options, const Common& common) {
     try {
       std::size_t used = 0;
       const double target_deg = std::stod(options.target, &used);
-      if (used != options.target.size() || std::abs(target_deg) > 2000) throw std::invalid_argument("");
+      if (used != options.target.size() || std::abs(target_deg) > 2000)
+        throw std::invalid_argument("");
       move.target_udeg = static_cast<std::int32_t>(std::lround(1e6 * target_deg));
     } catch (const std::logic_error&) {
-      throw Error(fmt::format("'{}' is not an angle", options.target), "give degrees, or open for a polariser or analyser");
+      throw Error(fmt::format("'{}' is not an angle", options.target),
+                  "give degrees, or open for a polariser or analyser");
     }
   }
   const auto status = session.request(protocol::GetStatus{});
@@ -181,7 +188,13 @@ void config(const Options& options, const Common& common) {
   auto session = open_session(options, common);
   const auto axis = axis_by_name(options.axis);
   auto now = session.request(protocol::GetAxis{axis});
-  protocol::SetAxis set{axis, now.min_udeg, now.max_udeg, now.speed_mdeg_s, now.acceleration_mdeg_s2, now.jerk_mdeg_s3, now.take_up_udeg};
+  protocol::SetAxis set{axis,
+                        now.min_udeg,
+                        now.max_udeg,
+                        now.speed_mdeg_s,
+                        now.acceleration_mdeg_s2,
+                        now.jerk_mdeg_s3,
+                        now.take_up_udeg};
   for (const auto& setting : options.settings) {
     const auto equals = setting.find('=');
     const std::string key = setting.substr(0, equals);
@@ -189,21 +202,34 @@ void config(const Options& options, const Common& common) {
     try {
       value = std::stod(equals == std::string::npos ? "" : setting.substr(equals + 1));
     } catch (const std::logic_error&) {
-      throw Error(fmt::format("'{}' is not key=number", setting), "write for instance speed_deg_s=10");
+      throw Error(fmt::format("'{}' is not key=number", setting),
+                  "write for instance speed_deg_s=10");
     }
-    if (key == "min_deg") set.min_udeg = static_cast<std::int32_t>(std::lround(1e6 * value));
-    else if (key == "max_deg") set.max_udeg = static_cast<std::int32_t>(std::lround(1e6 * value));
-    else if (key == "speed_deg_s") set.speed_mdeg_s = static_cast<std::uint32_t>(std::lround(1e3 * value));
-    else if (key == "acceleration_deg_s2") set.acceleration_mdeg_s2 = static_cast<std::uint32_t>(std::lround(1e3 * value));
-    else if (key == "jerk_deg_s3") set.jerk_mdeg_s3 = static_cast<std::uint32_t>(std::lround(1e3 * value));
-    else if (key == "take_up_deg") set.take_up_udeg = static_cast<std::uint32_t>(std::lround(1e6 * value));
-    else throw Error(fmt::format("an axis has no setting '{}'", key),
-                     "settings are min_deg, max_deg, speed_deg_s, acceleration_deg_s2, jerk_deg_s3, take_up_deg");
+    if (key == "min_deg")
+      set.min_udeg = static_cast<std::int32_t>(std::lround(1e6 * value));
+    else if (key == "max_deg")
+      set.max_udeg = static_cast<std::int32_t>(std::lround(1e6 * value));
+    else if (key == "speed_deg_s")
+      set.speed_mdeg_s = static_cast<std::uint32_t>(std::lround(1e3 * value));
+    else if (key == "acceleration_deg_s2")
+      set.acceleration_mdeg_s2 = static_cast<std::uint32_t>(std::lround(1e3 * value));
+    else if (key == "jerk_deg_s3")
+      set.jerk_mdeg_s3 = static_cast<std::uint32_t>(std::lround(1e3 * value));
+    else if (key == "take_up_deg")
+      set.take_up_udeg = static_cast<std::uint32_t>(std::lround(1e6 * value));
+    else
+      throw Error(fmt::format("an axis has no setting '{}'", key),
+                  "settings are min_deg, max_deg, speed_deg_s, acceleration_deg_s2, jerk_deg_s3, "
+                  "take_up_deg");
   }
   now = options.settings.empty() ? now : session.request(set);
-  const json out{{"axis", options.axis}, {"min_deg", 1e-6 * now.min_udeg}, {"max_deg", 1e-6 * now.max_udeg},
-                 {"speed_deg_s", 1e-3 * now.speed_mdeg_s}, {"acceleration_deg_s2", 1e-3 * now.acceleration_mdeg_s2},
-                 {"jerk_deg_s3", 1e-3 * now.jerk_mdeg_s3}, {"take_up_deg", 1e-6 * now.take_up_udeg}};
+  const json out{{"axis", options.axis},
+                 {"min_deg", 1e-6 * now.min_udeg},
+                 {"max_deg", 1e-6 * now.max_udeg},
+                 {"speed_deg_s", 1e-3 * now.speed_mdeg_s},
+                 {"acceleration_deg_s2", 1e-3 * now.acceleration_mdeg_s2},
+                 {"jerk_deg_s3", 1e-3 * now.jerk_mdeg_s3},
+                 {"take_up_deg", 1e-6 * now.take_up_udeg}};
   fmt::print("{}\n", common.json ? out.dump() : out.dump(2));
 }
 
@@ -217,8 +243,10 @@ void log(const Options& options, const Common& common) {
   for (std::uint16_t index = 0;; ++index) {
     const auto entry = session.request(protocol::ReadLog{index});
     if (entry.fault == 0) break;
-    entries.push_back({{"boot_id", entry.boot_id}, {"time_s", 1e-6 * static_cast<double>(entry.time_us)},
-                       {"fault", instrument::fault_name(entry.fault)}, {"detail", entry.detail}});
+    entries.push_back({{"boot_id", entry.boot_id},
+                       {"time_s", 1e-6 * static_cast<double>(entry.time_us)},
+                       {"fault", instrument::fault_name(entry.fault)},
+                       {"detail", entry.detail}});
   }
   if (common.json) {
     fmt::print("{}\n", entries.dump());
@@ -226,44 +254,56 @@ void log(const Options& options, const Common& common) {
   }
   if (entries.empty()) fmt::print("the fault log is empty\n");
   for (const auto& entry : entries) {
-    fmt::print("boot {} at {:.3f} s: {} ({})\n", entry["boot_id"].get<std::uint32_t>(), entry["time_s"].get<double>(),
-               entry["fault"].get<std::string>(), entry["detail"].get<int>());
+    fmt::print("boot {} at {:.3f} s: {} ({})\n", entry["boot_id"].get<std::uint32_t>(),
+               entry["time_s"].get<double>(), entry["fault"].get<std::string>(),
+               entry["detail"].get<int>());
   }
 }
 
 void list(const Common& common) {
   if (common.json) {
-    fmt::print("{}\n", json::array({{{"device", "emulator"}, {"about", "emulated instrument in this process"}}}).dump());
+    fmt::print(
+        "{}\n",
+        json::array({{{"device", "emulator"}, {"about", "emulated instrument in this process"}}})
+            .dump());
     return;
   }
-  fmt::print("emulator         emulated instrument in this process\n"
-             "tcp:HOST:PORT    controller or `umov emulator` on the network\n");
+  fmt::print(
+      "emulator         emulated instrument in this process\n"
+      "tcp:HOST:PORT    controller or `umov emulator` on the network\n");
 }
 
 }  // namespace
 
 void add_device_command(CLI::App& root, const Common& common) {
   auto options = std::make_shared<Options>();
-  auto* command = root.add_subcommand("device", "Look at a controller, home it, move an axis, read its fault log");
+  auto* command = root.add_subcommand(
+      "device", "Look at a controller, home it, move an axis, read its fault log");
   command->require_subcommand(1);
   auto* list_command = command->add_subcommand("list", "kinds of device that can be named");
   list_command->callback([&common] { list(common); });
 
-  const auto add = [&](const char* name, const char* about, void (*run)(const Options&, const Common&)) {
+  const auto add = [&](const char* name, const char* about,
+                       void (*run)(const Options&, const Common&)) {
     auto* sub = command->add_subcommand(name, about);
     add_device_options(*sub, options->device);
     sub->callback([options, &common, run] { run(*options, common); });
     return sub;
   };
   add("info", "who it is, its axes and its state", info);
-  add("home", "home all axes, or those named", home)->add_option("axes", options->axes, "axes to home");
+  add("home", "home all axes, or those named", home)
+      ->add_option("axes", options->axes, "axes to home");
   auto* jog_command = add("jog", "move one axis to an angle", jog);
-  jog_command->add_option("axis", options->axis, "incidence, detector, azimuth, polarizer, analyzer or filter")->required();
+  jog_command
+      ->add_option("axis", options->axis,
+                   "incidence, detector, azimuth, polarizer, analyzer or filter")
+      ->required();
   jog_command->add_option("target", options->target, "degrees, or open")->required();
   auto* config_command = add("config", "show or change the settings of an axis", config);
   config_command->add_option("axis", options->axis, "axis")->required();
   config_command->add_option("settings", options->settings, "key=value …");
-  add("log", "the fault log, newest first", log)->add_flag("--clear", options->clear, "clear the latched fault as well");
+  add("log", "the fault log, newest first", log)
+      ->add_flag("--clear", options->clear, "clear the latched fault as well");
 }
 
 }  // namespace umov::cli

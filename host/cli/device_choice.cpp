@@ -13,10 +13,12 @@ namespace umov::cli {
 
 void add_plant_options(CLI::App& command, DeviceChoice& choice) {
   auto* group = command.add_option_group("emulated instrument");
-  group->add_option("--sample", choice.sample, "shipped sample (umov emulator --list) or sample file");
+  group->add_option("--sample", choice.sample,
+                    "shipped sample (umov emulator --list) or sample file");
   group->add_option("--preset", choice.preset, "ideal or realistic")->capture_default_str();
   group->add_option("--plant", choice.plant_file, "TOML file of plant parameters");
-  group->add_option("--plant-set", choice.plant_settings, "one plant parameter, name=value (repeatable)");
+  group->add_option("--plant-set", choice.plant_settings,
+                    "one plant parameter, name=value (repeatable)");
 }
 
 void add_device_options(CLI::App& command, DeviceChoice& choice) {

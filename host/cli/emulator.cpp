@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "hil/plant/parameter_list.hpp"
@@ -43,7 +43,8 @@ void list_samples(const Common& common) {
     fmt::print("{}\n", out.dump());
     return;
   }
-  for (const auto& name : plant::sample_names()) fmt::print("{:<18} {}\n", name, plant::sample_title(name));
+  for (const auto& name : plant::sample_names())
+    fmt::print("{:<18} {}\n", name, plant::sample_title(name));
 }
 
 /// The true parameters of a sample: what an inversion should find.
@@ -84,26 +85,32 @@ void write_certificate(const std::string& name, const std::string& path) {
   constexpr std::array<Axis, 3> axes{{{"0", 0.0}, {"90", 90.0}, {"open", open}}};
   const auto stokes = [](double axis_deg, bool analyzer) {
     if (std::isnan(axis_deg)) return optics::unpolarized<double>();
-    return analyzer ? optics::analyzer_stokes<double>(axis_deg) : optics::polarizer_stokes<double>(axis_deg);
+    return analyzer ? optics::analyzer_stokes<double>(axis_deg)
+                    : optics::polarizer_stokes<double>(axis_deg);
   };
   std::ofstream file(path);
-  file << "# BRDF of " << name << " in the plane of incidence, 1/sr; polariser and analyser axes from p towards s\n"
-       << "theta_i_deg,theta_r_deg,phi_r_deg,wavelength_nm,polarizer_deg,analyzer_deg,brdf_per_sr\n";
+  file
+      << "# BRDF of " << name
+      << " in the plane of incidence, 1/sr; polariser and analyser axes from p towards s\n"
+      << "theta_i_deg,theta_r_deg,phi_r_deg,wavelength_nm,polarizer_deg,analyzer_deg,brdf_per_sr\n";
   for (const int wavelength_nm : plant::laser_names) {
     for (int theta_i_deg = 0; theta_i_deg <= 75; theta_i_deg += 5) {
       for (double theta_r_deg = -88; theta_r_deg <= 88; theta_r_deg += 1) {
         const auto brdf = plant::brdf_at(*sample, theta_i_deg, theta_r_deg, 0, wavelength_nm);
         for (const auto& polarizer : axes) {
           for (const auto& analyzer : axes) {
-            file << fmt::format("{},{:g},0,{},{},{},{:.9g}\n", theta_i_deg, theta_r_deg, wavelength_nm, polarizer.text,
-                                analyzer.text,
-                                optics::contract(stokes(analyzer.deg, true), brdf, stokes(polarizer.deg, false)));
+            file << fmt::format(
+                "{},{:g},0,{},{},{},{:.9g}\n", theta_i_deg, theta_r_deg, wavelength_nm,
+                polarizer.text, analyzer.text,
+                optics::contract(stokes(analyzer.deg, true), brdf, stokes(polarizer.deg, false)));
           }
         }
       }
     }
   }
-  if (!file.flush()) throw Error({path}, "cannot write the certificate", "check the folder and the space on the disk");
+  if (!file.flush())
+    throw Error({path}, "cannot write the certificate",
+                "check the folder and the space on the disk");
 }
 
 void run(const Options& options, const Common& common) {
@@ -126,7 +133,8 @@ void run(const Options& options, const Common& common) {
   serve_options.real_time = options.real_time;
   serve_options.on_listening = [&](std::uint16_t port) {
     if (common.quiet) return;
-    fmt::print("{} on the stage; connect with --device tcp:{}:{} (Ctrl-C ends)\n", bench.sample, options.address, port);
+    fmt::print("{} on the stage; connect with --device tcp:{}:{} (Ctrl-C ends)\n", bench.sample,
+               options.address, port);
     std::fflush(stdout);
   };
   serve_options.on_event = [&](const std::string& event) {
@@ -139,17 +147,22 @@ void run(const Options& options, const Common& common) {
 
 void add_emulator_command(CLI::App& root, const Common& common) {
   auto options = std::make_shared<Options>();
-  auto* command = root.add_subcommand("emulator", "An instrument without hardware: the real firmware core on emulated physics, on TCP");
+  auto* command = root.add_subcommand(
+      "emulator",
+      "An instrument without hardware: the real firmware core on emulated physics, on TCP");
   add_plant_options(*command, options->plant);
   command->add_option("--port", options->port, "TCP port, 0 = any free one")->capture_default_str();
   command->add_option("--address", options->address, "address to listen on")->capture_default_str();
   command->add_flag("--real-time", options->real_time, "let emulated time follow the wall clock");
   command->add_flag("--list", options->list, "the shipped samples");
-  command->add_flag("--parameters", options->parameters, "every parameter of the emulated physics, with both presets");
+  command->add_flag("--parameters", options->parameters,
+                    "every parameter of the emulated physics, with both presets");
   command->add_option("--describe", options->describe, "the true parameters of a sample");
   auto* output = command->add_option("-o,--output", options->output, "file for --certificate");
-  command->add_option("--certificate", options->certificate,
-                      "write the true in-plane BRDF of a sample as CSV, as a calibration laboratory would certify it")
+  command
+      ->add_option("--certificate", options->certificate,
+                   "write the true in-plane BRDF of a sample as CSV, as a calibration laboratory "
+                   "would certify it")
       ->needs(output);
   command->footer("Example:\n  umov emulator --sample red-gloss --preset realistic --port 5025");
   command->callback([options, &common] { run(*options, common); });

@@ -16,7 +16,9 @@ extern "C" void on_signal(int signal) {
 
 }  // namespace
 
-std::atomic<bool>& interrupt_flag() { return interrupted; }
+std::atomic<bool>& interrupt_flag() {
+  return interrupted;
+}
 
 void catch_interrupts() {
   std::signal(SIGINT, on_signal);

@@ -216,8 +216,8 @@ void print_prediction(const std::vector<invert::PredictionError>& errors) {
   if (errors.empty()) return;
   fmt::print("relative error of the model (median and 90th percentile of its size, signed mean)\n");
   for (const auto& e : errors) {
-    fmt::print("  {:<9} {:>6g} nm {:>7} points  {:>6.2f} %  {:>6.2f} %  {:>+6.2f} %\n", e.set, e.wavelength_nm,
-               e.points, 100 * e.median_abs, 100 * e.p90_abs, 100 * e.mean);
+    fmt::print("  {:<9} {:>6g} nm {:>7} points  {:>6.2f} %  {:>6.2f} %  {:>+6.2f} %\n", e.set,
+               e.wavelength_nm, e.points, 100 * e.median_abs, 100 * e.p90_abs, 100 * e.mean);
   }
 }
 
@@ -268,7 +268,8 @@ void run(Arguments& arguments, const Common& common) {
     progress.update(share, 1.0, stage);
   };
   std::vector<invert::RowCondition> conditions;
-  for (const std::string& text : arguments.rows) conditions.push_back(invert::parse_row_condition(text));
+  for (const std::string& text : arguments.rows)
+    conditions.push_back(invert::parse_row_condition(text));
   const formats::BrdfTable selected =
       conditions.empty() ? file.table : invert::select_rows(file.table, conditions);
   formats::FitResult fit = invert::invert(selected, options);
@@ -328,9 +329,10 @@ void add_invert_command(CLI::App& root, const Common& common) {
   repeat("--fix", a->fix, "hold NAME=VALUE, or NAME@NM=VALUE at one wavelength; repeatable");
   repeat("--bound", a->bound, "limits NAME=LO:HI, or NAME@NM=LO:HI; repeatable");
   repeat("--start", a->start, "start at NAME=VALUE, or NAME@NM=VALUE; repeatable");
-  repeat("--rows", a->rows,
-         "fit only these points and tell how well the rest is foretold: in-plane, theta_i_deg=30,45, "
-         "theta_r_deg=-60:60, wavelength_nm!=532; repeatable");
+  repeat(
+      "--rows", a->rows,
+      "fit only these points and tell how well the rest is foretold: in-plane, theta_i_deg=30,45, "
+      "theta_r_deg=-60:60, wavelength_nm!=532; repeatable");
   command
       ->add_option("--objective", a->objective,
                    "noise: weighted by the uncertainties; paper: relative deviations by BFGS")

@@ -4,8 +4,8 @@
 #include <exception>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include "host/cli/command.hpp"
 #include "host/cli/interrupt.hpp"
@@ -36,7 +36,8 @@ int main(int argc, char** argv) {
   app.add_flag("--json", common.json, "machine-readable text on stdout");
   app.add_flag("--quiet", common.quiet, "no progress, no notes");
   app.add_option("--seed", common.seed, "seed of everything random")->capture_default_str();
-  app.add_option("--threads", common.threads, "threads to use, 0 = all cores")->capture_default_str();
+  app.add_option("--threads", common.threads, "threads to use, 0 = all cores")
+      ->capture_default_str();
 
   add_emulator_command(app, common);
   add_scan_command(app, common);

@@ -28,7 +28,9 @@ Progress::Progress(std::string what, bool quiet)
       start_(std::chrono::steady_clock::now()),
       last_(start_) {}
 
-Progress::~Progress() { finish(); }
+Progress::~Progress() {
+  finish();
+}
 
 void Progress::update(double done, double total, const std::string& note) {
   if (quiet_ || total <= 0) return;

@@ -3,8 +3,8 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "host/cli/command.hpp"
@@ -30,7 +30,9 @@ struct Options {
 void print_dry_run(const scan::Plan& plan, const Options& options, const Common& common) {
   const auto program = scan::expand(plan);
   if (common.json) {
-    fmt::print("{}\n", nlohmann::json{{"rows", program.rows.size()}, {"blocks", program.blocks.size()}}.dump());
+    fmt::print(
+        "{}\n",
+        nlohmann::json{{"rows", program.rows.size()}, {"blocks", program.blocks.size()}}.dump());
     return;
   }
   fmt::print("{}: {} rows\n", options.plan, program.rows.size());
@@ -57,14 +59,17 @@ void run(const Options& options, const Common& common) {
   run_options.program = std::string("umov ") + UMOV_VERSION;
   run_options.command = common.command_line;
   run_options.connect = connector(options.device, plan.sample, common.seed);
-  run_options.progress = [&](const scan::RunProgress& now) { progress.update(now.done, now.total, now.note); };
+  run_options.progress = [&](const scan::RunProgress& now) {
+    progress.update(now.done, now.total, now.note);
+  };
   run_options.keep_going = [] { return !interrupt_flag().load(); };
   const auto summary = scan::run_scan(plan, run_options);
   progress.finish();
 
   if (!summary.complete) {
-    throw Interrupted(fmt::format("stopped after {} of {} records; {} is valid. Go on with: umov scan {} -o {} --resume",
-                                  summary.records, summary.total, options.output, options.plan, options.output));
+    throw Interrupted(fmt::format(
+        "stopped after {} of {} records; {} is valid. Go on with: umov scan {} -o {} --resume",
+        summary.records, summary.total, options.output, options.plan, options.output));
   }
   if (common.json) {
     fmt::print("{}\n", nlohmann::json{{"file", options.output},
@@ -88,7 +93,8 @@ void run(const Options& options, const Common& common) {
 
 void add_scan_command(CLI::App& root, const Common& common) {
   auto options = std::make_shared<Options>();
-  auto* command = root.add_subcommand("scan", "Measure every row of a plan; raw records go to scan.h5");
+  auto* command =
+      root.add_subcommand("scan", "Measure every row of a plan; raw records go to scan.h5");
   command->add_option("plan", options->plan, "plan file (TOML)")->required();
   command->add_option("-o,--output", options->output, "scan.h5 to write");
   command->add_flag("--resume", options->resume, "finish an interrupted scan");

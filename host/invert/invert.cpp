@@ -385,7 +385,7 @@ FitResult invert(const formats::BrdfTable& table, const Options& options) {
 
   if (options.progress) options.progress(0.8, "intervals");
   const Posterior posterior(layout, data, found.solution, options.objective, scale,
-                            options.robust_sigma, options.seed);
+                            options.robust_sigma);
   set_parameters(layout, found.solution, posterior, fit);
   set_derived(layout, found.solution, posterior, fit);
   describe_identifiability(layout, posterior, fit);

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
 
+#include "host/invert/limited_profile.hpp"
 #include "host/invert/minimise.hpp"
 
 namespace umov::invert {
@@ -12,7 +12,7 @@ struct Interval {
   double lo = 0, hi = 0;
 };
 
-/// The parameters' distribution by linearising the residuals at the optimum: normal, cut off at the
+/// The parameters' likelihood by linearising the residuals at the optimum: normal, within the
 /// limits. Limits count as knowledge of a width: a direction that the data do not see at all has
 /// the range as its standard deviation.
 class Posterior {
@@ -21,7 +21,7 @@ class Posterior {
   /// optimum is an efficient one (noise-weighted) or not (paper), whose variance is that of a
   /// sandwich estimate.
   Posterior(const Layout& layout, const Observations& data, const Solution& solution,
-            Objective objective, double scale, double huber_sigma, std::uint64_t seed);
+            Objective objective, double scale, double huber_sigma);
 
   /// Covariance of the coordinates x, calibration included.
   const Eigen::MatrixXd& covariance() const { return covariance_; }
@@ -37,14 +37,11 @@ class Posterior {
   Interval parameter_interval(std::size_t free) const;
 
  private:
-  void sample_within_limits(const Eigen::VectorXd& centre, std::uint64_t seed);
-
   const Layout& layout_;
   std::vector<double> x_;
   Eigen::MatrixXd covariance_, given_calibration_;
   Eigen::VectorXd factor_sigma_;
-  /// Draws of x minus the optimum, one a row; empty where no limit is within reach.
-  Eigen::MatrixXd draws_;
+  LimitedProfile profile_;
 };
 
 }  // namespace umov::invert

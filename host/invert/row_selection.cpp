@@ -1,8 +1,8 @@
 #include "host/invert/row_selection.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <charconv>
+#include <cmath>
 #include <string_view>
 
 #include "host/errors/error.hpp"
@@ -18,7 +18,8 @@ constexpr double same_value_within = 0.01;
 
 [[noreturn]] void refuse(const std::string& text) {
   throw Error("'" + text + "' does not select rows",
-              "write in-plane, theta_i_deg=30,45, theta_r_deg=-60:60 or theta_i_deg!=60; columns are theta_i_deg, "
+              "write in-plane, theta_i_deg=30,45, theta_r_deg=-60:60 or theta_i_deg!=60; columns "
+              "are theta_i_deg, "
               "theta_r_deg, phi_r_deg, wavelength_nm");
 }
 
@@ -29,19 +30,26 @@ double number(std::string_view part, const std::string& text) {
   return value;
 }
 
-double column_value(const formats::BrdfTable::Points& points, std::size_t i, RowCondition::Column column) {
+double column_value(const formats::BrdfTable::Points& points, std::size_t i,
+                    RowCondition::Column column) {
   switch (column) {
-    case RowCondition::Column::theta_i: return points.theta_i_deg[i];
-    case RowCondition::Column::theta_r: return points.theta_r_deg[i];
-    case RowCondition::Column::phi_r: return points.phi_r_deg[i];
-    case RowCondition::Column::wavelength: return points.wavelength_nm[i];
-    case RowCondition::Column::in_plane: break;
+    case RowCondition::Column::theta_i:
+      return points.theta_i_deg[i];
+    case RowCondition::Column::theta_r:
+      return points.theta_r_deg[i];
+    case RowCondition::Column::phi_r:
+      return points.phi_r_deg[i];
+    case RowCondition::Column::wavelength:
+      return points.wavelength_nm[i];
+    case RowCondition::Column::in_plane:
+      break;
   }
   return 0;
 }
 
 bool in_plane(const formats::BrdfTable::Points& points, std::size_t i) {
-  const double out = std::sin(optics::radians(points.theta_r_deg[i])) * std::sin(optics::radians(points.phi_r_deg[i]));
+  const double out = std::sin(optics::radians(points.theta_r_deg[i])) *
+                     std::sin(optics::radians(points.phi_r_deg[i]));
   return std::abs(out) <= std::sin(optics::radians(in_plane_within_deg));
 }
 
@@ -51,10 +59,11 @@ bool holds(const RowCondition& condition, const formats::BrdfTable::Points& poin
     inside = in_plane(points, i);
   } else {
     const double value = column_value(points, i, condition.column);
-    inside = condition.range
-                 ? value >= condition.values[0] && value <= condition.values[1]
-                 : std::any_of(condition.values.begin(), condition.values.end(),
-                               [&](double wanted) { return std::abs(value - wanted) <= same_value_within; });
+    inside = condition.range ? value >= condition.values[0] && value <= condition.values[1]
+                             : std::any_of(condition.values.begin(), condition.values.end(),
+                                           [&](double wanted) {
+                                             return std::abs(value - wanted) <= same_value_within;
+                                           });
   }
   return inside != condition.negated;
 }
@@ -75,11 +84,16 @@ RowCondition parse_row_condition(const std::string& text) {
   condition.negated = text[equals - 1] == '!';
   const std::string name = text.substr(0, equals - (condition.negated ? 1 : 0));
   using Column = RowCondition::Column;
-  if (name == "theta_i_deg") condition.column = Column::theta_i;
-  else if (name == "theta_r_deg") condition.column = Column::theta_r;
-  else if (name == "phi_r_deg") condition.column = Column::phi_r;
-  else if (name == "wavelength_nm") condition.column = Column::wavelength;
-  else refuse(text);
+  if (name == "theta_i_deg")
+    condition.column = Column::theta_i;
+  else if (name == "theta_r_deg")
+    condition.column = Column::theta_r;
+  else if (name == "phi_r_deg")
+    condition.column = Column::phi_r;
+  else if (name == "wavelength_nm")
+    condition.column = Column::wavelength;
+  else
+    refuse(text);
   std::string_view rest = std::string_view(text).substr(equals + 1);
   if (const auto colon = rest.find(':'); colon != std::string_view::npos) {
     condition.range = true;
@@ -94,7 +108,8 @@ RowCondition parse_row_condition(const std::string& text) {
   }
 }
 
-formats::BrdfTable select_rows(const formats::BrdfTable& table, const std::vector<RowCondition>& conditions) {
+formats::BrdfTable select_rows(const formats::BrdfTable& table,
+                               const std::vector<RowCondition>& conditions) {
   formats::BrdfTable selected = table;
   std::size_t left = 0;
   for (std::size_t i = 0; i < table.points.size(); ++i) {
@@ -107,7 +122,8 @@ formats::BrdfTable select_rows(const formats::BrdfTable& table, const std::vecto
   return selected;
 }
 
-std::vector<PredictionError> prediction_errors(const formats::FitResult& fit, const formats::BrdfTable& table,
+std::vector<PredictionError> prediction_errors(const formats::FitResult& fit,
+                                               const formats::BrdfTable& table,
                                                const formats::BrdfTable& selected) {
   const Prediction prediction = predict(fit, selected);
   const auto& points = table.points;
@@ -115,7 +131,8 @@ std::vector<PredictionError> prediction_errors(const formats::FitResult& fit, co
     return formats::is_open(points.polarizer_deg[i]) && formats::is_open(points.analyzer_deg[i]);
   };
   bool any_unpolarised = false;
-  for (std::size_t i = 0; i < points.size(); ++i) any_unpolarised = any_unpolarised || (points.used[i] != 0 && unpolarised(i));
+  for (std::size_t i = 0; i < points.size(); ++i)
+    any_unpolarised = any_unpolarised || (points.used[i] != 0 && unpolarised(i));
 
   std::vector<PredictionError> errors;
   for (const double wavelength_nm : fit.wavelengths_nm) {
@@ -123,8 +140,11 @@ std::vector<PredictionError> prediction_errors(const formats::FitResult& fit, co
       std::vector<double> sizes;
       PredictionError error{.set = fitted ? "fitted" : "withheld", .wavelength_nm = wavelength_nm};
       for (std::size_t i = 0; i < points.size(); ++i) {
-        if (points.used[i] == 0 || std::abs(points.wavelength_nm[i] - wavelength_nm) > same_value_within) continue;
-        if ((selected.points.used[i] != 0) != fitted || (any_unpolarised && !unpolarised(i))) continue;
+        if (points.used[i] == 0 ||
+            std::abs(points.wavelength_nm[i] - wavelength_nm) > same_value_within)
+          continue;
+        if ((selected.points.used[i] != 0) != fitted || (any_unpolarised && !unpolarised(i)))
+          continue;
         if (!(points.brdf_per_sr[i] > 0)) continue;
         const double relative = prediction.calibrated_per_sr[i] / points.brdf_per_sr[i] - 1;
         sizes.push_back(std::abs(relative));

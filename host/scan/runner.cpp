@@ -40,7 +40,8 @@ std::string name_text(const protocol::Name& name) {
 }
 
 std::int32_t microdegrees(double deg) {
-  return std::isnan(deg) ? protocol::open_position : static_cast<std::int32_t>(std::lround(1e6 * deg));
+  return std::isnan(deg) ? protocol::open_position
+                         : static_cast<std::int32_t>(std::lround(1e6 * deg));
 }
 
 int gain_range(const protocol::HelloReply& device, int gain) {
@@ -48,8 +49,8 @@ int gain_range(const protocol::HelloReply& device, int gain) {
     if (device.gains[i] == gain) return static_cast<int>(i);
   }
   throw Error(fmt::format("the controller has no amplifier range {}", gain),
-              fmt::format("use gain = \"auto\" or one of {}, {}, {}, {}", device.gains[0], device.gains[1],
-                          device.gains[2], device.gains[3]));
+              fmt::format("use gain = \"auto\" or one of {}, {}, {}, {}", device.gains[0],
+                          device.gains[1], device.gains[2], device.gains[3]));
 }
 
 std::uint8_t laser_of(const protocol::HelloReply& device, double wavelength_nm) {
@@ -76,9 +77,10 @@ protocol::ProgramRow to_device(const PlanRow& row, std::uint32_t index,
                                const protocol::HelloReply& device) {
   protocol::ProgramRow out;
   out.index = index;
-  out.target_udeg = {microdegrees(row.theta_i_deg),   microdegrees(row.theta_r_deg),
-                     microdegrees(row.phi_r_deg),     microdegrees(row.polarizer_deg),
-                     microdegrees(row.analyzer_deg),  filter_position_udeg(device, row.optical_density)};
+  out.target_udeg = {
+      microdegrees(row.theta_i_deg),  microdegrees(row.theta_r_deg),
+      microdegrees(row.phi_r_deg),    microdegrees(row.polarizer_deg),
+      microdegrees(row.analyzer_deg), filter_position_udeg(device, row.optical_density)};
   out.laser = laser_of(device, row.wavelength_nm);
   out.shutter_open = row.shutter_open ? 1 : 0;
   out.gain = row.gain == gain_auto ? protocol::gain_auto
@@ -118,7 +120,8 @@ class JournalSink : public instrument::RecordSink {
   std::vector<formats::ScanRecord> pending_;
 };
 
-std::string settings_text(const TimeBase& base, const Plan& plan, const protocol::HelloReply& device) {
+std::string settings_text(const TimeBase& base, const Plan& plan,
+                          const protocol::HelloReply& device) {
   return nlohmann::json{{"boot_id", base.boot_id},
                         {"start_us", base.start_us},
                         {"reference_hz", plan.reference_hz},
@@ -134,8 +137,9 @@ TimeBase time_base_of(const formats::Provenance& provenance) {
   return {json["boot_id"].get<std::uint32_t>(), json["start_us"].get<double>()};
 }
 
-formats::JournalHeader header_for(const Plan& plan, const Program& program, const RunOptions& options,
-                                  const Session& session, const TimeBase& base) {
+formats::JournalHeader header_for(const Plan& plan, const Program& program,
+                                  const RunOptions& options, const Session& session,
+                                  const TimeBase& base) {
   const auto& device = session.device();
   const double adc_step_v = 1e-9 * device.adc_step_nv;
   formats::JournalHeader header;
@@ -193,10 +197,12 @@ class Runner {
     for (const auto& block : program_.blocks) {
       for (const auto& [key, value] : block.settings) {
         if (key == "optical_density") continue;  // the filter wheel does it
-        throw Error({plan_.name},
-                    fmt::format("block {} needs a change at the instrument ({}={}) that the controller can't make",
-                                block.name, key, value),
-                    "leave it out of this plan and measure it as a scan of its own after the change");
+        throw Error(
+            {plan_.name},
+            fmt::format(
+                "block {} needs a change at the instrument ({}={}) that the controller can't make",
+                block.name, key, value),
+            "leave it out of this plan and measure it as a scan of its own after the change");
       }
     }
   }
@@ -229,7 +235,8 @@ class Runner {
                   "finish it with --resume, or start over with --force");
     }
     if (!options_.overwrite && has_output) {
-      throw Error({options_.output.string()}, "the file exists", "choose another name, or use --force");
+      throw Error({options_.output.string()}, "the file exists",
+                  "choose another name, or use --force");
     }
   }
 
@@ -252,8 +259,12 @@ class Runner {
           sink.emplace(*writer_, program_.rows);
           sink->set_last_time_s(last_time_s_);
           stream.emplace(
-              instrument::ProgramOptions{.program_id = id_, .row_count = summary_.total, .first_missing = next_},
-              [&](std::uint32_t index) { return to_device(program_.rows.at(index), index, device); }, *sink);
+              instrument::ProgramOptions{
+                  .program_id = id_, .row_count = summary_.total, .first_missing = next_},
+              [&](std::uint32_t index) {
+                return to_device(program_.rows.at(index), index, device);
+              },
+              *sink);
         }
         rebase(session, sink->last_time_s());
         sink->connect(device, base_.start_us);
@@ -294,11 +305,12 @@ class Runner {
         const auto target = row.target_udeg[axis];
         if (target == protocol::open_position) continue;
         if (target >= axes[axis].min_udeg && target <= axes[axis].max_udeg) continue;
-        throw Error({plan_.name},
-                    fmt::format("row {} asks the {} axis for {:g} degrees; its limits are {:g} to {:g}", index,
-                                instrument::axis_name(static_cast<int>(axis)), 1e-6 * target,
-                                1e-6 * axes[axis].min_udeg, 1e-6 * axes[axis].max_udeg),
-                    "change the plan, or the axis' limits with umov device config");
+        throw Error(
+            {plan_.name},
+            fmt::format("row {} asks the {} axis for {:g} degrees; its limits are {:g} to {:g}",
+                        index, instrument::axis_name(static_cast<int>(axis)), 1e-6 * target,
+                        1e-6 * axes[axis].min_udeg, 1e-6 * axes[axis].max_udeg),
+            "change the plan, or the axis' limits with umov device config");
       }
     }
   }
@@ -318,14 +330,17 @@ class Runner {
   /// Brings an idle controller into the state that the program needs; leaves a running one alone.
   void prepare(Session& session) {
     const auto status = session.request(protocol::GetStatus{});
-    if (status.program_id == id_ && status.state != static_cast<std::uint8_t>(protocol::State::idle)) return;
+    if (status.program_id == id_ &&
+        status.state != static_cast<std::uint8_t>(protocol::State::idle))
+      return;
     if (status.fault == static_cast<std::uint8_t>(protocol::Fault::link_lost)) {
       clear_link_lost(session);
     } else if (status.fault != 0) {
       throw instrument::Faulted(session.name(), status.fault, "before the scan began");
     }
     if (status.program_id != 0 && status.program_id != id_) release_other_program(session, status);
-    if (status.homed_mask != all_axes) home(session, static_cast<std::uint8_t>(all_axes & ~status.homed_mask));
+    if (status.homed_mask != all_axes)
+      home(session, static_cast<std::uint8_t>(all_axes & ~status.homed_mask));
     protocol::SetLockin lockin;
     lockin.reference_mhz = static_cast<std::uint32_t>(std::lround(1000 * plan_.reference_hz));
     lockin.harmonic = 1;
@@ -351,7 +366,8 @@ class Runner {
   void clear_link_lost(Session& session) {
     for (int tries_left = 100;; --tries_left) {
       try {
-        session.request(protocol::ClearFault{static_cast<std::uint8_t>(protocol::Fault::link_lost)});
+        session.request(
+            protocol::ClearFault{static_cast<std::uint8_t>(protocol::Fault::link_lost)});
         return;
       } catch (const instrument::Refused& refused) {
         if (refused.refusal() != protocol::Refusal::busy || tries_left == 0) throw;
@@ -367,8 +383,11 @@ class Runner {
       while (session.next_event()) {
       }
       const auto status = session.request(protocol::GetStatus{});
-      if (status.fault != 0) throw instrument::Faulted(session.name(), status.fault, "while homing");
-      if (status.homed_mask == all_axes && status.state == static_cast<std::uint8_t>(protocol::State::idle)) return;
+      if (status.fault != 0)
+        throw instrument::Faulted(session.name(), status.fault, "while homing");
+      if (status.homed_mask == all_axes &&
+          status.state == static_cast<std::uint8_t>(protocol::State::idle))
+        return;
       if (options_.progress) options_.progress({next_, summary_.total, "homing"});
       if (!wanted()) {
         session.request(protocol::Stop{});
@@ -399,8 +418,8 @@ class Runner {
     std::string note;
     if (done < summary_.total) {
       const auto& row = program_.rows[done];
-      note = fmt::format("{:g} nm, theta_i {:g}°, theta_r {:g}°", row.wavelength_nm, row.theta_i_deg,
-                         row.theta_r_deg);
+      note = fmt::format("{:g} nm, theta_i {:g}°, theta_r {:g}°", row.wavelength_nm,
+                         row.theta_i_deg, row.theta_r_deg);
     }
     options_.progress({done, summary_.total, note});
   }
@@ -437,6 +456,8 @@ std::filesystem::path journal_path(const std::filesystem::path& output) {
   return output.string() + ".journal";
 }
 
-RunSummary run_scan(const Plan& plan, const RunOptions& options) { return Runner(plan, options).run(); }
+RunSummary run_scan(const Plan& plan, const RunOptions& options) {
+  return Runner(plan, options).run();
+}
 
 }  // namespace umov::scan

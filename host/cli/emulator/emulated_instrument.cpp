@@ -18,12 +18,16 @@ class Wiring : public boards::native::World {
  public:
   explicit Wiring(plant::Plant& plant) : plant_(&plant) {}
 
-  void step(int axis, int direction, double time_s) override { plant_->step(axis, direction, time_s); }
+  void step(int axis, int direction, double time_s) override {
+    plant_->step(axis, direction, time_s);
+  }
   boards::native::AxisSwitches switches(int axis) const override {
     const auto state = plant_->switches(axis);
     return {.home = state.home, .lower_limit = state.lower_limit, .upper_limit = state.upper_limit};
   }
-  void set_laser(int laser, bool on, double time_s) override { plant_->set_laser(laser, on, time_s); }
+  void set_laser(int laser, bool on, double time_s) override {
+    plant_->set_laser(laser, on, time_s);
+  }
   void set_shutter(bool open, double time_s) override { plant_->set_shutter(open, time_s); }
   void set_gain(int range, double time_s) override { plant_->set_gain(range, time_s); }
   bool interlock_closed() const override { return plant_->interlock_closed(); }
@@ -55,7 +59,8 @@ class EmbeddedTransport : public instrument::Transport {
     if (used_ == output_.size()) {
       output_.clear();
       used_ = 0;
-      board.run_until_output(static_cast<std::uint64_t>(std::max<std::int64_t>(timeout.count(), 1)));
+      board.run_until_output(
+          static_cast<std::uint64_t>(std::max<std::int64_t>(timeout.count(), 1)));
       board.take_output(output_);
     }
     const std::size_t n = std::min(buffer.size(), output_.size() - used_);
