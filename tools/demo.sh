@@ -1,26 +1,40 @@
 #!/usr/bin/env bash
-# The main job, end to end: an emulated scan of red gloss paint and the NIST measurement of PTFE,
-# each calibrated or imported, inverted and put into one report.
+# The main job, end to end, into one report: red gloss paint on an ideal and on a realistic emulated
+# bench, and two real measurements, each fitted to one part of the data and tested on the rest.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 umov=build/release/bin/umov
 out=build/demo
 rm -rf "$out"
 mkdir -p "$out"
+start=$SECONDS
 
 run() { printf '\n$ umov %s\n' "$*"; "$umov" "$@"; }
+step() { printf '\n== %s\n' "$*"; }
 
-# An instrument with real imperfections measures its white standard, then the paint.
-run scan examples/plans/white.toml --sample white-99 --preset realistic --seed 1 -o "$out/white.h5"
-run scan examples/plans/red-gloss.toml --sample red-gloss --preset realistic --seed 2 -o "$out/red-gloss.h5"
-run calibrate "$out/white.h5" -o "$out/cal.h5"
-run reduce "$out/red-gloss.h5" --calibration "$out/cal.h5" -o "$out/red-gloss-brdf.h5"
-run invert "$out/red-gloss-brdf.h5" --model li-torrance -o "$out/red-gloss-fit.json"
+files=()
+run emulator --certificate white-99 -o "$out/white-99.csv"
+for bench in ideal realistic; do
+  step "red gloss paint on the $bench emulated bench: white standard, scan, calibration, BRDF, model"
+  run scan examples/plans/white.toml --sample white-99 --preset "$bench" --seed 1 -o "$out/white-$bench.h5"
+  run scan examples/plans/red-gloss.toml --sample red-gloss --preset "$bench" --seed 2 \
+    --name "red gloss, $bench bench" -o "$out/scan-$bench.h5"
+  run calibrate "$out/white-$bench.h5" --reference-brdf "$out/white-99.csv" -o "$out/cal-$bench.h5"
+  run reduce "$out/scan-$bench.h5" --calibration "$out/cal-$bench.h5" -o "$out/brdf-$bench.h5"
+  run invert "$out/brdf-$bench.h5" --model li-torrance -o "$out/fit-$bench.json"
+  files+=("$out/scan-$bench.h5" "$out/cal-$bench.h5" "$out/brdf-$bench.h5" "$out/fit-$bench.json")
+done
 
-# A real measurement: fitted in the plane of incidence, predicted out of it.
-run import tests/data/nist_ptfe/PTFE.csv --kind nist-ptfe -o "$out/ptfe-brdf.h5"
-run invert "$out/ptfe-brdf.h5" --model microfacet+nef --rows in-plane -o "$out/ptfe-fit.json"
+step "sintered PTFE measured by NIST: fitted in the plane of incidence, foretold out of it"
+run import tests/data/nist_ptfe/ptfe_532_633.csv --kind nist-ptfe -o "$out/ptfe.h5"
+run invert "$out/ptfe.h5" --rows in-plane --model li-torrance --bound n=1.2:2 -o "$out/ptfe.json"
 
-run report "$out/red-gloss.h5" "$out/cal.h5" "$out/red-gloss-brdf.h5" "$out/red-gloss-fit.json" \
-  "$out/ptfe-brdf.h5" "$out/ptfe-fit.json" --title "Umov demonstration" -o "$out/report.html"
-printf '\nOpen %s/%s/report.html in a browser.\n' "$PWD" "$out"
+step "sandblasted aluminium in the mid infrared (JSSS): fitted without two camera angles, which are foretold"
+run import tests/data/jsss_mwir/inplane.csv --kind jsss --material "aluminium sandblasted" -o "$out/aluminium.h5"
+run invert "$out/aluminium.h5" --rows theta_r_deg!=30,60 --model microfacet+nef \
+  --fix 0.n=5.5 --fix 0.kappa=37 --free 0.bias -o "$out/aluminium.json"
+
+step "report"
+run report "${files[@]}" "$out/ptfe.h5" "$out/ptfe.json" "$out/aluminium.h5" "$out/aluminium.json" \
+  --title "Umov demonstration" -o "$out/report.html"
+printf '\nDone in %d s. Open this file in a browser:\n  %s/%s/report.html\n' $((SECONDS - start)) "$PWD" "$out"

@@ -21,6 +21,7 @@ namespace {
 struct Options {
   std::string plan;
   std::string output;
+  std::string name;
   bool resume = false;
   bool force = false;
   bool dry_run = false;
@@ -42,7 +43,9 @@ void print_dry_run(const scan::Plan& plan, const Options& options, const Common&
 }
 
 void run(const Options& options, const Common& common) {
-  const auto plan = scan::load_plan(options.plan);
+  auto plan = scan::load_plan(options.plan);
+  const std::string plan_sample = plan.sample;
+  if (!options.name.empty()) plan.sample = options.name;
   if (options.dry_run) {
     print_dry_run(plan, options, common);
     return;
@@ -58,7 +61,7 @@ void run(const Options& options, const Common& common) {
   run_options.overwrite = options.force;
   run_options.program = std::string("umov ") + UMOV_VERSION;
   run_options.command = common.command_line;
-  run_options.connect = connector(options.device, plan.sample, common.seed);
+  run_options.connect = connector(options.device, plan_sample, common.seed);
   run_options.progress = [&](const scan::RunProgress& now) {
     progress.update(now.done, now.total, now.note);
   };
@@ -97,6 +100,8 @@ void add_scan_command(CLI::App& root, const Common& common) {
       root.add_subcommand("scan", "Measure every row of a plan; raw records go to scan.h5");
   command->add_option("plan", options->plan, "plan file (TOML)")->required();
   command->add_option("-o,--output", options->output, "scan.h5 to write");
+  command->add_option("--name", options->name,
+                      "name of the sample as recorded (default: the plan's)");
   command->add_flag("--resume", options->resume, "finish an interrupted scan");
   command->add_flag("--force", options->force, "replace an existing file");
   command->add_flag("--dry-run", options->dry_run, "only say what the plan would measure");

@@ -430,7 +430,12 @@ FitResult invert(const formats::BrdfTable& table, const Options& options) {
   if (!fit.converged) fit.notes.push_back("the minimiser stopped before it had converged");
   const auto brightest = std::max_element(fit.dhr.begin(), fit.dhr.end(),
                                           [](const auto& a, const auto& b) { return a.lo < b.lo; });
-  if (brightest != fit.dhr.end() && brightest->lo > 1) {
+  const bool relative = std::find(table.keys.begin(), table.keys.end(),
+                                  std::pair<std::string, std::string>("relative_units", "1")) !=
+                        table.keys.end();
+  if (relative) {
+    fit.notes.push_back("the data have no absolute scale: reflectance and weights are relative");
+  } else if (brightest != fit.dhr.end() && brightest->lo > 1) {
     fit.notes.push_back(
         text("at %g nm and %g degrees the model reflects more than it receives (%.3f): "
              "the data's scale or the model is wrong there",

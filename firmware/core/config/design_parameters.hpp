@@ -35,7 +35,7 @@ inline constexpr std::uint32_t reply_reserve_bytes = 1100;
 /// A frame must come within this time of the link's clock while a program runs or a laser is on.
 inline constexpr std::uint64_t link_timeout_us = 3'000'000;
 /// Records sent and not acknowledged are sent again after this time of the link's clock.
-inline constexpr std::uint64_t record_resend_us = 5'000'000;
+inline constexpr std::uint64_t record_resend_us = 2'000'000;
 /// Unanswered row credit is repeated after this time of the link's clock.
 inline constexpr std::uint64_t credit_resend_us = 100'000;
 /// New credit is told when this many rows have been taken or freed.

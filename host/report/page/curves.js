@@ -60,7 +60,7 @@ function curveFigure(sample, kind) {
     states.map((s) => ({ value: s.id, label: stateLabel(s) })), choice.state,
       (v) => { choice.state = v; entry.redraw(); }) : null;
   const thetaChooser = set.theta_i_deg.length > 1 ? chooser("Incidence θi",
-    set.theta_i_deg.map((t) => ({ value: t, label: angle(t) })), choice.theta,
+    spread(set.theta_i_deg, MOST_INCIDENCES).map((t) => ({ value: t, label: angle(t) })), choice.theta,
       (v) => { choice.theta = v; entry.redraw(); }) : null;
   const showChoosers = () => {
     if (stateChooser) stateChooser.hidden = choice.across !== "incidence";
@@ -80,8 +80,10 @@ function curveFigure(sample, kind) {
   return entry;
 }
 
+const MOST_INCIDENCES = 9;
+
 function curvePanels(set, choice) {
-  if (choice.across === "incidence") return set.theta_i_deg.map((theta) => ({
+  if (choice.across === "incidence") return spread(set.theta_i_deg, MOST_INCIDENCES).map((theta) => ({
     theta, title: `θ<sub>i</sub> = ${angle(theta)}`,
     curves: set.curves.filter((c) => c.theta_i_deg === theta && (choice.state === null || c.state === choice.state)),
   })).filter((p) => p.curves.length);
@@ -166,6 +168,8 @@ function buildCurves(sample, kind, choice, width) {
     "dotted, the mirror direction.",
     isBrdf ? "" : " Near 1 the light comes from the surface itself, near 0 it has been depolarised inside the material.",
     hidden ? ` ${hidden} point${hidden > 1 ? "s" : ""} at or below zero cannot be shown on the logarithmic scale.` : "",
+    choice.across === "incidence" && set.theta_i_deg.length > MOST_INCIDENCES
+      ? ` ${panels.length} of ${set.theta_i_deg.length} incidences are shown.` : "",
     flagged ? ` Grey crosses: ${flagged} flagged point${flagged > 1 ? "s" : ""}, not fitted.` : "",
   ];
   return { data, layout, caption: parts.join("") };

@@ -64,6 +64,12 @@ function paintSwatches() {
 }
 
 // A row of buttons of which one is pressed. choices: [{value, label}].
+// At most `most` of a list, evenly spread, first and last among them: nobody looks at ninety panels.
+function spread(list, most) {
+  if (list.length <= most) return list;
+  return Array.from({ length: most }, (_, i) => list[Math.round(i * (list.length - 1) / (most - 1))]);
+}
+
 function chooser(title, choices, initial, onchange) {
   const buttons = choices.map((choice) => h("button", {
     type: "button", "aria-pressed": String(choice.value === initial),

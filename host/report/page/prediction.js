@@ -10,7 +10,7 @@ function predictionFigure(sample) {
       set.states.map((s) => ({ value: s.id, label: stateLabel(s) })), choice.state, pick("state")) : null,
     set.wavelengths_nm.length > 1 ? chooser("Map: λ",
       set.wavelengths_nm.map((nm) => ({ value: nm, label: `${nm} nm` })), choice.nm, pick("nm")) : null,
-    set.theta_i_deg.length > 1 ? chooser("Map: θi", set.theta_i_deg.map((t) => ({ value: t, label: angle(t) })),
+    set.theta_i_deg.length > 1 ? chooser("Map: θi", spread(set.theta_i_deg, MOST_INCIDENCES).map((t) => ({ value: t, label: angle(t) })),
       choice.theta, pick("theta")) : null,
   ], (width) => buildPrediction(sample, choice, width));
   return entry;

@@ -3,7 +3,7 @@
 function residualFigure(sample) {
   const set = sample.residuals;
   const choice = { theta: "all", state: "all" };
-  const thetas = [{ value: "all", label: "all" }, ...set.theta_i_deg.map((t) => ({ value: t, label: angle(t) }))];
+  const thetas = [{ value: "all", label: "all" }, ...spread(set.theta_i_deg, MOST_INCIDENCES).map((t) => ({ value: t, label: angle(t) }))];
   const states = [{ value: "all", label: "all" }, ...set.states.map((s) => ({ value: s.id, label: stateLabel(s) }))];
   const entry = figure("residuals", "Normalised residuals against exit angle", [
     thetas.length > 2 ? chooser("Incidence θi", thetas, "all", (v) => { choice.theta = v; entry.redraw(); }) : null,

@@ -284,26 +284,26 @@ TEST_F(Scan, GoesOnWithANewHostThatSaysHelloInMidScan) {
   host.expect_each_row_once();
 }
 
-TEST_F(Scan, SendsRecordsAgainEachQuarterSecondUntilTheyAreAcknowledged) {
+TEST_F(Scan, SendsRecordsAgainEveryTwoSecondsUntilTheyAreAcknowledged) {
   ASSERT_TRUE(bench.ask(pr::ProgramBegin{7, 0, 3}));
   for (std::uint32_t i = 0; i < 3; ++i) bench.send(Bench::row(i));
   bench.board.run_for(600'000);
   bench.listen();
   ASSERT_EQ(bench.status().next_record, 3u);
   bench.heard.records.clear();
-  bench.board.run_for(1'000'000);
+  bench.board.run_for(2'500'000);
   bench.listen();
-  ASSERT_EQ(bench.heard.records.size(), 12u);
-  for (std::uint32_t i = 0; i < 12; ++i) EXPECT_EQ(bench.heard.records[i].index, i % 3);
+  ASSERT_EQ(bench.heard.records.size(), 3u);
+  for (std::uint32_t i = 0; i < 3; ++i) EXPECT_EQ(bench.heard.records[i].index, i % 3);
   bench.send(pr::RecordAck{7, 2});
   bench.heard.records.clear();
-  bench.board.run_for(1'000'000);
+  bench.board.run_for(2'500'000);
   bench.listen();
   ASSERT_FALSE(bench.heard.records.empty());
   for (const pr::Record& r : bench.heard.records) EXPECT_EQ(r.index, 2u);
   bench.send(pr::RecordAck{7, 3});
   bench.heard.records.clear();
-  bench.board.run_for(1'000'000);
+  bench.board.run_for(2'500'000);
   bench.listen();
   EXPECT_TRUE(bench.heard.records.empty());
 }
