@@ -9,6 +9,7 @@
 #include "host/calibrate/reduce.hpp"
 #include "host/calibrate/standard_fit.hpp"
 #include "host/errors/error.hpp"
+#include "host/formats/order_statistics.hpp"
 #include "host/optics/angles.hpp"
 
 namespace umov::calibrate {
@@ -90,11 +91,10 @@ void set_variances(std::vector<StandardRow>& rows, const Prepared& input, double
   std::vector<double> ratio;
   for (const StandardRow& row : rows) ratio.push_back(row.signal_v / row.base);
   if (ratio.empty()) return;
-  const auto middle = ratio.begin() + static_cast<std::ptrdiff_t>(ratio.size() / 2);
-  std::nth_element(ratio.begin(), middle, ratio.end());
+  const double middle = formats::median(std::move(ratio));
   for (StandardRow& row : rows) {
     const double true_part = 1.0 + input.ranges.at(row.gain).error;
-    row.variance = input.noise.variance_normalised(wavelength, row.gain, *middle * row.base) /
+    row.variance = input.noise.variance_normalised(wavelength, row.gain, middle * row.base) /
                    (true_part * true_part);
   }
 }
@@ -134,9 +134,7 @@ StandardFit fit_wavelength(std::vector<StandardRow>& rows, const Prepared& input
     fit = choose_instrument_function(rows, model, options.max_degree, two_sided);
     std::vector<double> size;
     for (double pull : fit.pull) size.push_back(std::abs(pull));
-    const auto middle = size.begin() + static_cast<std::ptrdiff_t>(size.size() / 2);
-    std::nth_element(size.begin(), middle, size.end());
-    const double scatter = std::max(1.0, *middle / 0.6745);
+    const double scatter = std::max(1.0, formats::median(std::move(size)) / 0.6745);
     std::vector<StandardRow> kept;
     for (std::size_t i = 0; i < rows.size(); ++i)
       if (std::abs(fit.pull[i]) < reject_at * scatter) kept.push_back(rows[i]);
@@ -163,6 +161,14 @@ StandardFit fit_wavelength(std::vector<StandardRow>& rows, const Prepared& input
     entry.bias_active = options.bias == CalibrateOptions::Bias::on ||
                         std::abs(entry.detector_bias) > 3.0 * entry.detector_bias_u;
     if (entry.bias_active) fit = with;
+  } else if (options.bias != CalibrateOptions::Bias::off) {
+    // One analyser state says nothing of δ: it may be what the standard's own polarisation may be.
+    entry.detector_bias_u = input.standard->reference.polarization_u();
+  }
+  if (!entry.bias_active) {
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      entry.gain_bias_lever +=
+          fit.response(0, static_cast<Eigen::Index>(i)) * rows[i].signal_v * rows[i].bias_lever;
   }
   entry.instrument_function.degrees = fit.model.degrees;
   entry.instrument_function.reference_deg = model.reference_deg;
@@ -268,6 +274,7 @@ Calibration calibrate(std::span<const StandardScan> standards,
   calibration.ranges = input.ranges;
   for (const DarkLevel& level : input.dark.levels)
     calibration.systematics.push_back({Systematic::Kind::dark, level.gain, {}});
+  const Eigen::MatrixXd range_shifts = input.ranges.shifts();
   for (const RangeError& range : input.ranges.ranges)
     if (range.u > 0) calibration.systematics.push_back({Systematic::Kind::range, range.gain, {}});
 
@@ -297,10 +304,13 @@ Calibration calibrate(std::span<const StandardScan> standards,
     for (Systematic& systematic : calibration.systematics) {
       Eigen::VectorXd shift = Eigen::VectorXd::Zero(kept);
       for (std::size_t i = 0; i < rows.size(); ++i) {
-        if (rows[i].gain != systematic.gain) continue;
-        const double change = systematic.kind == Systematic::Kind::dark
-                                  ? input.dark.at(systematic.gain).x_u
-                                  : input.ranges.at(systematic.gain).u * rows[i].signal_v;
+        double change = 0;
+        if (systematic.kind == Systematic::Kind::range)
+          change = range_shifts(input.ranges.number(rows[i].gain),
+                                input.ranges.number(systematic.gain)) *
+                   rows[i].signal_v;
+        else if (rows[i].gain == systematic.gain)
+          change = input.dark.at(systematic.gain).x_u;
         shift -= change * fit.response.col(static_cast<Eigen::Index>(i)).head(kept);
       }
       systematic.shift.push_back(shift);

@@ -28,8 +28,12 @@ struct WavelengthCalibration {
   double gain_constant_v = 0;  ///< C
   InstrumentFunction instrument_function;
   double detector_bias = 0;  ///< δ: response to Stokes (1, δ, 0, 0), + favours s
+  /// Where δ is not applied, points carry this as a doubt; 0 = the user asserts that there is none.
   double detector_bias_u = 0;
-  bool bias_active = false;    ///< δ is applied
+  bool bias_active = false;  ///< δ is applied
+  /// d ln C / dδ of a gain that was fitted without δ: the mean lever of the standard's records.
+  /// What is measured with the same lever does not notice δ.
+  double gain_bias_lever = 0;
   Eigen::MatrixXd covariance;  ///< of the parameters, from the noise of the standard's scan
   double phase_rad = 0, phase_u_rad = 0;
   double reference_relative_u = 0;  ///< scale of the standard, shared by all wavelengths
@@ -44,7 +48,8 @@ struct WavelengthCalibration {
 };
 
 /// A calibration quantity that points share beyond the gain's own statistics: shift of each
-/// wavelength's parameters for one standard deviation.
+/// wavelength's parameters for one standard deviation; of the ranges, for the column of
+/// RangeErrors::shifts that belongs to `gain`.
 struct Systematic {
   enum class Kind { dark, range };
   Kind kind;

@@ -18,6 +18,7 @@ namespace umov::calibrate {
 namespace {
 
 constexpr const char* format_name = "umov cal h5";
+constexpr const char* ranges_covariance = "/covariance/ranges";
 
 /// A calibration as plain columns: one list for the writer, the reader and the checksum.
 struct Column {
@@ -43,8 +44,8 @@ std::string per_wavelength(const std::string& path, const WavelengthCalibration&
   return fmt::format("{}_{:g}", path, entry.wavelength_nm);
 }
 
-/// Degrees with twelve digits: turning them to radians and back gives the same number again, so that
-/// the checksum of a file read is that of the file written.
+/// Degrees with twelve digits: turning them to radians and back gives the same number again, so
+/// that the checksum of a file read is that of the file written.
 double stored_degrees(double radians) {
   return std::stod(fmt::format("{:.12g}", optics::degrees(radians)));
 }
@@ -62,6 +63,7 @@ void flatten_wavelength(const WavelengthCalibration& entry, Flat& flat) {
   flat.number(base + "detector_bias", entry.detector_bias, "1");
   flat.number(base + "detector_bias_u", entry.detector_bias_u, "1");
   flat.number(base + "detector_bias_active", entry.bias_active ? 1 : 0, "1");
+  flat.number(base + "gain_bias_lever", entry.gain_bias_lever, "1");
   flat.number(base + "phase_deg", stored_degrees(entry.phase_rad), "deg");
   flat.number(base + "phase_u_deg", stored_degrees(entry.phase_u_rad), "deg");
   flat.number(base + "records", static_cast<double>(entry.records), "1");
@@ -112,6 +114,10 @@ Flat flatten(const Calibration& calibration) {
     flat.number("/ranges/u", range.u, "1");
     flat.number("/ranges/measured", range.measured ? 1 : 0, "1");
   }
+  const Eigen::MatrixXd& between_ranges = calibration.ranges.covariance;
+  for (Eigen::Index r = 0; r < between_ranges.rows(); ++r)
+    for (Eigen::Index c = 0; c < between_ranges.cols(); ++c)
+      flat.number(ranges_covariance, between_ranges(r, c), "1");
   flat.declare_text("/systematics/kind");
   flat.declare("/systematics/gain", "1");
   for (const WavelengthCalibration& entry : calibration.wavelengths) {
@@ -193,7 +199,8 @@ void read_wavelengths(const formats::Hdf5Reader& file, Calibration& calibration)
   const auto wavelength = group.numbers("wavelength_nm"), gain = group.numbers("gain_constant_v"),
              reference_u = group.numbers("reference_relative_u"),
              bias = group.numbers("detector_bias"), bias_u = group.numbers("detector_bias_u"),
-             active = group.numbers("detector_bias_active"), phase = group.numbers("phase_deg"),
+             active = group.numbers("detector_bias_active"),
+             gain_lever = group.numbers("gain_bias_lever"), phase = group.numbers("phase_deg"),
              phase_u = group.numbers("phase_u_deg"), records = group.numbers("records"),
              rejected = group.numbers("rejected"), chi2 = group.numbers("chi2"),
              dof = group.numbers("degrees_of_freedom");
@@ -211,6 +218,7 @@ void read_wavelengths(const formats::Hdf5Reader& file, Calibration& calibration)
     entry.detector_bias = bias[w];
     entry.detector_bias_u = bias_u[w];
     entry.bias_active = active[w] != 0;
+    entry.gain_bias_lever = gain_lever[w];
     entry.phase_rad = optics::radians(phase[w]);
     entry.phase_u_rad = optics::radians(phase_u[w]);
     entry.records = static_cast<std::size_t>(records[w]);
@@ -253,6 +261,17 @@ void read_ranges(const formats::Hdf5Reader& file, Calibration& calibration) {
              u = ranges.numbers("u"), measured = ranges.numbers("measured");
   for (std::size_t k = 0; k < range.size(); ++k)
     calibration.ranges.ranges.push_back({range[k], error[k], u[k], measured[k] != 0});
+  if (!range.empty()) {
+    std::size_t rows = 0, columns = 0;
+    const auto covariance = file.matrix(ranges_covariance, rows, columns);
+    if (rows != range.size() || columns != range.size())
+      file.fail(ranges_covariance,
+                fmt::format("is {} x {}, not {} x {}", rows, columns, range.size(), range.size()));
+    const auto side = static_cast<Eigen::Index>(range.size());
+    calibration.ranges.covariance =
+        Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+            covariance.data(), side, side);
+  }
 
   Group systematics(file, "/systematics/");
   const auto kind = systematics.texts("kind");

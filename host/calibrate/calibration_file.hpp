@@ -1,10 +1,10 @@
 // cal.h5: a calibration in HDF5.
 //
 // Layout: root attributes format = "umov cal h5", program, command, created, solid_angle_sr,
-// shape_u; /wavelengths/{…, one dataset a quantity}, /covariance/<nm> (matrices in the order ln C,
-// instrument-function coefficients, bias), /instrument_function/{degrees_<nm>,coefficients_<nm>},
-// /systematics/{kind,gain,shift_<nm>}, /dark, /ranges, /checks, /inputs, /header/{key,value},
-// /notes.
+// shape_u; /wavelengths/{…, one dataset a quantity}, /covariance/{nm_<nm>, ranges} (matrices: in
+// the order ln C, instrument-function coefficients, bias; of the amplifier ranges' errors),
+// /instrument_function/{degrees_<nm>,coefficients_<nm>}, /systematics/{kind,gain,shift_<nm>},
+// /dark, /ranges, /checks, /inputs, /header/{key,value}, /notes.
 #pragma once
 
 #include <filesystem>

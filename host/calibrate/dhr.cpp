@@ -6,6 +6,8 @@
 #include <numbers>
 #include <optional>
 
+#include <Eigen/Dense>
+
 #include "host/calibrate/linear_combination.hpp"
 #include "host/formats/scan_table.hpp"
 #include "host/optics/angles.hpp"
@@ -148,6 +150,60 @@ Tail tail_of(const Profile& profile, const formats::BrdfTable& table, bool upper
   return tail;
 }
 
+/// a + b t + c t² through values at t by least squares.
+Eigen::Vector3d parabola(const Eigen::VectorXd& t, const Eigen::VectorXd& values) {
+  Eigen::MatrixXd design(t.size(), 3);
+  design << Eigen::VectorXd::Ones(t.size()), t, t.array().square().matrix();
+  return design.colPivHouseholderQr().solve(values);
+}
+
+/// The gap that unusable points leave about the normal: how far apart a flat, a parabolic and a
+/// Gaussian bridge are. All three follow the nodes beside the gap, so that the largest difference
+/// stands for what a smooth lobe may do in it.
+void bridge_gap(const Profile& profile, const formats::BrdfTable& table,
+                const std::vector<double>& unusable_rad, DhrDetail& detail) {
+  const auto upper = std::upper_bound(profile.theta_rad.begin(), profile.theta_rad.end(), 1e-9);
+  if (upper == profile.theta_rad.begin() || upper == profile.theta_rad.end()) return;
+  const double high = *upper, low = *std::prev(upper);
+  if (low > -1e-9) return;  // the normal itself was measured
+  if (std::none_of(unusable_rad.begin(), unusable_rad.end(),
+                   [&](double t) { return t > low && t < high; }))
+    return;
+  detail.gap_deg = optics::degrees(0.5 * (high - low));
+  constexpr std::ptrdiff_t beside = 3;
+  const auto right = upper - profile.theta_rad.begin();
+  const auto first = std::max<std::ptrdiff_t>(right - beside, 0);
+  const auto last = std::min<std::ptrdiff_t>(right + beside, std::ssize(profile.theta_rad));
+  Eigen::VectorXd angle(last - first), value(last - first);
+  for (std::ptrdiff_t k = first; k < last; ++k) {
+    angle[k - first] = profile.theta_rad[static_cast<std::size_t>(k)];
+    value[k - first] = profile.value[static_cast<std::size_t>(k)].value(table);
+  }
+  const double edge = 0.5 * (value[right - first] + value[right - 1 - first]);
+  if (angle.size() < 4) {
+    // Too few nodes for a shape: the bridge is not known better than to its own size.
+    detail.gap_u = std::numbers::pi * std::abs(edge) * 0.5 *
+                   (std::pow(std::sin(low), 2) + std::pow(std::sin(high), 2));
+    return;
+  }
+  const Eigen::Vector3d plain = parabola(angle, value);
+  const bool positive = value.minCoeff() > 0;
+  const Eigen::Vector3d bell =
+      positive ? parabola(angle, value.array().log().matrix()) : Eigen::Vector3d::Zero();
+  double by_parabola = 0, by_gaussian = 0;
+  constexpr int steps = 200;
+  const double step = (high - low) / steps;
+  for (int k = 0; k < steps; ++k) {
+    const double t = low + (k + 0.5) * step;
+    const double weight = std::numbers::pi * std::cos(t) * std::abs(std::sin(t)) * step;
+    const auto at = [t](const Eigen::Vector3d& c) { return c[0] + t * (c[1] + t * c[2]); };
+    by_parabola += weight * (at(plain) - edge);
+    if (positive) by_gaussian += weight * (std::exp(at(bell)) - edge);
+  }
+  detail.gap_u =
+      std::max({std::abs(by_parabola), std::abs(by_gaussian), std::abs(by_parabola - by_gaussian)});
+}
+
 DhrDetail integrate(const Profile& profile, const formats::BrdfTable& table) {
   DhrDetail detail;
   const std::vector<double> weight = hemisphere_weights(profile.theta_rad, false);
@@ -184,7 +240,8 @@ DhrDetail integrate(const Profile& profile, const formats::BrdfTable& table) {
 
 double DhrDetail::u() const {
   return std::sqrt(noise_u * noise_u + shared_u * shared_u + quadrature_u * quadrature_u +
-                   extrapolation_u * extrapolation_u + polarisation_u * polarisation_u);
+                   extrapolation_u * extrapolation_u + polarisation_u * polarisation_u +
+                   gap_u * gap_u);
 }
 
 std::vector<DhrDetail> add_dhr(formats::BrdfTable& table, const DhrOptions& options) {
@@ -192,14 +249,18 @@ std::vector<DhrDetail> add_dhr(formats::BrdfTable& table, const DhrOptions& opti
   const auto& points = table.points;
   std::map<double, std::map<long long, Node>> by_wavelength;
   std::map<double, double> incidence;
+  std::map<double, std::vector<double>> unusable;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (points.used[i] == 0) continue;
     if (std::abs(points.theta_i_deg[i]) > options.normal_incidence_within_deg) continue;
     const State from = state_of(points.polarizer_deg[i]), to = state_of(points.analyzer_deg[i]);
     if (from == other || to == other) continue;
     const double phi = std::abs(std::remainder(points.phi_r_deg[i], 360.0));
     if (phi > 0.05 && phi < 179.95) continue;
     const double theta_r = phi > 90 ? -points.theta_r_deg[i] : points.theta_r_deg[i];
+    if (points.used[i] == 0) {
+      unusable[points.wavelength_nm[i]].push_back(theta_r * degree);
+      continue;
+    }
     by_wavelength[points.wavelength_nm[i]][std::llround(theta_r * 1e4)].points[from][to].push_back(
         i);
     incidence[points.wavelength_nm[i]] = points.theta_i_deg[i];
@@ -218,6 +279,7 @@ std::vector<DhrDetail> add_dhr(formats::BrdfTable& table, const DhrOptions& opti
       if (profiles[m].reach() < options.min_reach_deg * degree) continue;
       const Profile profile = both_sides(std::move(profiles[m]));
       DhrDetail detail = integrate(profile, table);
+      bridge_gap(profile, table, unusable[wavelength], detail);
       detail.wavelength_nm = wavelength;
       detail.theta_i_deg = incidence[wavelength];
       detail.states = modes[m].name;

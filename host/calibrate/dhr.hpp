@@ -21,7 +21,11 @@ struct DhrDetail {
   double extrapolation = 0;  ///< part of dhr from beyond the largest |θr|
   double extrapolation_u = 0;
   double polarisation_u = 0;  ///< only one incident polarisation was measured
-  std::string states;         ///< which states the profile was made of
+  /// Half width of the gap about the normal (way back and mirror direction at once) where points
+  /// are marked as unusable; 0 = none. A specular part in there is not in `dhr`.
+  double gap_deg = 0;
+  double gap_u = 0;    ///< from bridging that gap
+  std::string states;  ///< which states the profile was made of
   double u() const;
 };
 

@@ -73,6 +73,25 @@ RangeError RangeErrors::at(double gain) const {
   return nominal;
 }
 
+Eigen::Index RangeErrors::number(double gain) const {
+  for (std::size_t k = 0; k < ranges.size(); ++k)
+    if (ranges[k].gain == gain) return static_cast<Eigen::Index>(k);
+  return -1;
+}
+
+Eigen::MatrixXd RangeErrors::shifts() const {
+  const Eigen::Index n = covariance.rows();
+  Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const double pivot = covariance(k, k) - lower.row(k).squaredNorm();
+    if (!(pivot > 1e-12 * covariance(k, k))) continue;
+    lower(k, k) = std::sqrt(pivot);
+    for (Eigen::Index r = k + 1; r < n; ++r)
+      lower(r, k) = (covariance(r, k) - lower.row(r).dot(lower.row(k))) / lower(k, k);
+  }
+  return lower;
+}
+
 RangeErrors find_range_errors(std::span<const RangeInput> inputs, double tolerance) {
   std::set<double> gains;
   std::vector<Comparison> comparisons;
@@ -113,12 +132,14 @@ RangeErrors find_range_errors(std::span<const RangeInput> inputs, double toleran
   }
   const Eigen::LDLT<Eigen::MatrixXd> solver(normal);
   const Eigen::VectorXd error = solver.solve(right);
-  const Eigen::MatrixXd covariance = solver.solve(Eigen::MatrixXd::Identity(n, n));
+  result.covariance = solver.solve(Eigen::MatrixXd::Identity(n, n));
+  result.covariance.row(0).setZero();
+  result.covariance.col(0).setZero();
   for (Eigen::Index k = 0; k < n; ++k) {
     RangeError range;
     range.gain = gain[static_cast<std::size_t>(k)];
     range.error = k == 0 ? 0.0 : std::expm1(error(k));
-    range.u = k == 0 ? 0.0 : std::sqrt(covariance(k, k));
+    range.u = k == 0 ? 0.0 : std::sqrt(result.covariance(k, k));
     range.measured = k > 0 && seen[static_cast<std::size_t>(k)];
     result.ranges.push_back(range);
   }

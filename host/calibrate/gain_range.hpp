@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "host/calibrate/dark.hpp"
 
 namespace umov::calibrate {
@@ -19,7 +21,14 @@ struct RangeError {
 struct RangeErrors {
   std::vector<RangeError> ranges;  ///< ascending range
   double tolerance = 1e-3;         ///< relative, one sigma, of a range that was not measured
+  /// Of the errors, in the order of `ranges`: a chain of comparisons couples all ranges above.
+  Eigen::MatrixXd covariance;
   RangeError at(double gain) const;
+  /// Place in `ranges`; -1 where the range is not among them.
+  Eigen::Index number(double gain) const;
+  /// Lower Cholesky factor of the covariance: column k holds the errors of all ranges for one
+  /// standard deviation of the k-th independent cause. Rows and columns of exact ranges are zero.
+  Eigen::MatrixXd shifts() const;
 };
 
 /// One scan with what is needed to compare its records.

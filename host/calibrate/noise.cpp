@@ -10,6 +10,7 @@
 
 #include "host/calibrate/set_up.hpp"
 #include "host/errors/error.hpp"
+#include "host/formats/order_statistics.hpp"
 
 namespace umov::calibrate {
 
@@ -29,12 +30,6 @@ long long rounded(double value) {
 Geometry geometry(const formats::ScanTable& scan, std::size_t i) {
   return {rounded(scan.theta_i_deg[i]),   rounded(scan.theta_r_deg[i]),  rounded(scan.phi_r_deg[i]),
           rounded(scan.polarizer_deg[i]), rounded(scan.analyzer_deg[i]), rounded(scan.gain[i])};
-}
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Relative scatter of the monitor between neighbouring records of one light path: half the mean
@@ -57,7 +52,7 @@ double monitor_scatter(const formats::ScanTable& scan, const ScanRows& set_up,
   }
   if (difference.size() < 2) return 0;
   const double rms = std::sqrt(squares / (2.0 * static_cast<double>(difference.size())));
-  const double robust = median(difference) / (0.6745 * std::sqrt(2.0));
+  const double robust = formats::median(difference) / (0.6745 * std::sqrt(2.0));
   return robust > 0 ? robust : rms;
 }
 

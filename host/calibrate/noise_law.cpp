@@ -9,6 +9,7 @@
 #include <Eigen/Dense>
 
 #include "host/calibrate/noise.hpp"
+#include "host/formats/order_statistics.hpp"
 
 namespace umov::calibrate {
 
@@ -24,20 +25,6 @@ struct Fit {
   std::vector<double> variance;
   double deviance = std::numeric_limits<double>::infinity();  ///< Σ (s²/V + ln V)
 };
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-double quantile(std::vector<double> values, double p) {
-  std::sort(values.begin(), values.end());
-  const double at = p * static_cast<double>(values.size() - 1);
-  const auto low = static_cast<std::size_t>(at);
-  const std::size_t high = std::min(low + 1, values.size() - 1);
-  return values[low] + (at - static_cast<double>(low)) * (values[high] - values[low]);
-}
 
 /// Mean of v2 among rows of similar signal (column 2 of the design): weights to start from. From
 /// equal weights the strongest signals rule and the iteration can run into negative floors.
@@ -182,8 +169,10 @@ NoiseLaw fit_law(const std::vector<double>& v2, const std::vector<double>& signa
       root[i] = std::cbrt(v2[i] / std::max(law.variance(signal_v[i], gain[i]), 1e-300));
       if (good[i]) good_root.push_back(root[i]);
     }
-    const double centre = median(good_root);
-    const double spread = (quantile(good_root, 0.75) - quantile(good_root, 0.25)) / 1.349;
+    const double centre = formats::median(good_root);
+    const double spread = (formats::interpolated_quantile(good_root, 0.75) -
+                           formats::interpolated_quantile(good_root, 0.25)) /
+                          1.349;
     if (!(centre > 0) || !(spread > 0)) return law;
     const double relative = spread / centre;
     // Solve √(2/9ν)/(1 - 2/9ν) = relative for q = 2/9ν.

@@ -78,14 +78,20 @@ std::vector<Factor> point_factors(const formats::BrdfTable::Points& points,
                                          : 0.0;
       });
     }
-    if (entry.bias_active)
-      collector.add(fmt::format("detector bias of open analyser {:g} nm", entry.wavelength_nm),
-                    [&](std::size_t i) {
-                      return origin[i].wavelength == w
-                                 ? -points.brdf_per_sr[i] * entry.detector_bias *
-                                       origin[i].open_bias
-                                 : 0.0;
-                    });
+    // A δ that is too small to be told from zero still is not known to be zero.
+    if (!entry.bias_active)
+      collector.add(fmt::format("detector bias {:g} nm", entry.wavelength_nm), [&](std::size_t i) {
+        return origin[i].wavelength == w ? -points.brdf_per_sr[i] * entry.detector_bias_u *
+                                               (origin[i].bias_lever - entry.gain_bias_lever)
+                                         : 0.0;
+      });
+    const double open = entry.bias_active ? entry.detector_bias : entry.detector_bias_u;
+    collector.add(fmt::format("detector bias of open analyser {:g} nm", entry.wavelength_nm),
+                  [&](std::size_t i) {
+                    return origin[i].wavelength == w
+                               ? -points.brdf_per_sr[i] * open * origin[i].open_bias
+                               : 0.0;
+                  });
   }
 
   collector.add("reference standard", [&](std::size_t i) {
@@ -107,6 +113,8 @@ std::vector<Factor> point_factors(const formats::BrdfTable::Points& points,
     return 0.0;
   };
   for (const Systematic& s : calibration.systematics) gains.insert(s.gain);
+  for (const RangeError& range : calibration.ranges.ranges) gains.insert(range.gain);
+  const Eigen::MatrixXd range_shifts = calibration.ranges.shifts();
   for (double gain : gains) {
     collector.add(fmt::format("dark range {:g}", gain), [&](std::size_t i) {
       double shift = through_standard(Systematic::Kind::dark, gain, i);
@@ -119,9 +127,14 @@ std::vector<Factor> point_factors(const formats::BrdfTable::Points& points,
                  ? -origin[i].per_volt * scan_dark.at(gain).x_u
                  : 0.0;
     });
+    const Eigen::Index column = calibration.ranges.number(gain);
     collector.add(fmt::format("gain range {:g}", gain), [&](std::size_t i) {
       double shift = through_standard(Systematic::Kind::range, gain, i);
-      if (origin[i].gain == gain) shift -= points.brdf_per_sr[i] * calibration.ranges.at(gain).u;
+      const Eigen::Index row = calibration.ranges.number(origin[i].gain);
+      if (row >= 0 && column >= 0)
+        shift -= points.brdf_per_sr[i] * range_shifts(row, column);
+      else if (origin[i].gain == gain)
+        shift -= points.brdf_per_sr[i] * calibration.ranges.at(gain).u;
       return shift;
     });
   }

@@ -14,7 +14,7 @@ struct PointOrigin {
   std::size_t wavelength = 0;  ///< number in the calibration
   double gain = 1;
   double per_volt = 0;    ///< d f / d (true volts), 1/(sr V)
-  double bias_lever = 0;  ///< f was divided by 1 + δ lever
+  double bias_lever = 0;  ///< the signal goes with 1 + δ lever; divided out where δ is applied
   double open_bias = 0;   ///< unknown lever of an open analyser: one standard deviation of Q/I
   bool own_dark = false;  ///< dark level measured in the scan itself
 };

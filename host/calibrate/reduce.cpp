@@ -12,6 +12,7 @@
 #include "host/calibrate/dolp.hpp"
 #include "host/calibrate/point_factors.hpp"
 #include "host/errors/error.hpp"
+#include "host/formats/order_statistics.hpp"
 #include "host/optics/angles.hpp"
 
 namespace umov::calibrate {
@@ -19,13 +20,6 @@ namespace umov::calibrate {
 namespace {
 
 constexpr double degree = optics::radians(1.0);
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Dark of the scan itself where it has shutter-closed rows, else the calibration's. Where neither
 /// was measured, the scan's own estimate of the uncertainty stands.
@@ -42,8 +36,7 @@ DarkChoice choose_dark(const Dark& own, const Dark& calibration, double gain) {
   return {own.at(gain), true};
 }
 
-/// Q/I of the reflected light at a geometry, from the scan's own P and S analyser records; where
-/// they are missing the response of the bare detector is not known better than δ.
+/// Geometry, wavelength and incident state in steps finer than any drive's.
 using Key = std::array<long long, 5>;
 
 Key key_of(const formats::ScanTable& scan, std::size_t i) {
@@ -63,13 +56,17 @@ bool is_axis(double axis_deg, double wanted_deg) {
          std::abs(std::remainder(axis_deg - wanted_deg, 180.0)) < 0.01;
 }
 
+/// Signals behind P and S analyser by geometry. Their Q/I is the lever of a record with the
+/// analyser open; where they are missing the response of the bare detector is not known better than
+/// δ.
 std::map<Key, Analysed> analysed_signals(const formats::ScanTable& scan, const ScanRows& set_up,
                                          const Calibration& calibration) {
   std::map<Key, Analysed> result;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (set_up.row[i] != RowUse::plain || scan.saturated[i] != 0 || !(scan.monitor_v[i] > 0))
       continue;
-    const double bias = calibration.at(scan.wavelength_nm[i]).detector_bias;
+    const WavelengthCalibration& entry = calibration.at(scan.wavelength_nm[i]);
+    const double bias = entry.bias_active ? entry.detector_bias : 0.0;
     if (is_axis(scan.analyzer_deg[i], 90))
       result[key_of(scan, i)].s = scan.x_v[i] / scan.monitor_v[i] / (1 + bias);
     if (is_axis(scan.analyzer_deg[i], 0))
@@ -99,8 +96,8 @@ void summarise(const formats::BrdfTable& table, ReduceSummary& summary) {
     for (const auto& factor : table.factors) variance += factor.per_point[i] * factor.per_point[i];
     total.push_back(std::sqrt(variance) / f);
   }
-  summary.median_relative_u = median(own);
-  summary.median_relative_total_u = median(total);
+  summary.median_relative_u = formats::median(own);
+  summary.median_relative_total_u = formats::median(total);
 }
 
 }  // namespace
@@ -121,10 +118,7 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
     throw Error(fmt::format("key `solid_angle_sr` is {:g}", solid_angle),
                 "give it in sr, such as 1e-4");
 
-  const bool any_bias = std::any_of(calibration.wavelengths.begin(), calibration.wavelengths.end(),
-                                    [](const WavelengthCalibration& w) { return w.bias_active; });
-  const auto analysed =
-      any_bias ? analysed_signals(scan, set_up, calibration) : std::map<Key, Analysed>{};
+  const auto analysed = analysed_signals(scan, set_up, calibration);
 
   auto& points = table.points;
   std::vector<PointOrigin> origin;
@@ -186,10 +180,9 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
       ++summary.in_shadow;
       used = false;
     }
-    if (!(f > u)) {
-      ++summary.below_noise;
-      used = false;
-    }
+    // Such a point stays: leaving out those that noise pushes down would raise the mean of the
+    // rest.
+    if (!(f > u)) ++summary.below_noise;
     points.theta_i_deg.push_back(scan.theta_i_deg[i]);
     points.theta_r_deg.push_back(theta_r);
     points.phi_r_deg.push_back(scan.phi_r_deg[i]);
@@ -228,14 +221,23 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
     DhrOptions dhr_options;
     dhr_options.normal_incidence_within_deg = options.normal_incidence_within_deg;
     for (const DhrDetail& detail : add_dhr(table, dhr_options)) {
+      if (detail.gap_deg > 0)
+        summary.notes.push_back(fmt::format(
+            "{:g} nm: {}: a specular part there is not included in the DHR ({:.2g} deg to either "
+            "side are bridged, u {:.2g})",
+            detail.wavelength_nm,
+            calibration.retro_shadow_deg > 0 ? "the mirror direction lies in the shadow"
+                                             : "the mirror direction has no usable point",
+            detail.gap_deg, detail.gap_u));
       table.keys.emplace_back(fmt::format("dhr_states_{:g}", detail.wavelength_nm), detail.states);
       table.keys.emplace_back(
           fmt::format("dhr_parts_{:g}", detail.wavelength_nm),
           fmt::format(
               "u: noise {:.2g}, calibration {:.2g}, quadrature {:.2g}, beyond the last angle "
-              "{:.2g}, polarisation {:.2g}; {:.3g} of the value lies beyond the last angle",
+              "{:.2g}, polarisation {:.2g}, shadow {:.2g}; {:.3g} of the value lies beyond the "
+              "last angle",
               detail.noise_u, detail.shared_u, detail.quadrature_u, detail.extrapolation_u,
-              detail.polarisation_u, detail.extrapolation));
+              detail.polarisation_u, detail.gap_u, detail.extrapolation));
     }
   }
   summarise(table, summary);

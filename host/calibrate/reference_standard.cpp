@@ -9,6 +9,7 @@
 
 #include "host/calibrate/calibration.hpp"
 #include "host/errors/error.hpp"
+#include "host/formats/order_statistics.hpp"
 
 namespace umov::calibrate {
 
@@ -188,12 +189,7 @@ ReferenceStandard ReferenceStandard::from_table(const formats::BrdfTable& table,
   for (std::size_t i = 0; i < table.points.size(); ++i)
     if (table.points.used[i] != 0 && table.points.brdf_per_sr[i] > 0)
       relative.push_back(table.points.brdf_u[i] / table.points.brdf_per_sr[i]);
-  double typical = 0;
-  if (!relative.empty()) {
-    const auto middle = relative.begin() + static_cast<std::ptrdiff_t>(relative.size() / 2);
-    std::nth_element(relative.begin(), middle, relative.end());
-    typical = *middle;
-  }
+  const double typical = formats::median(std::move(relative));
   standard.table_relative_u_ = positive_key(scan, "reference_dhr_relative_u", typical);
   standard.retention_u_ = positive_key(scan, "reference_retention_u", typical_retention);
   standard.polarization_u_ = positive_key(scan, "reference_polarization_u", typical_polarization);

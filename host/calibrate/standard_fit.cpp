@@ -9,16 +9,11 @@
 
 #include "host/calibrate/instrument_function.hpp"
 #include "host/errors/error.hpp"
+#include "host/formats/order_statistics.hpp"
 
 namespace umov::calibrate {
 
 namespace {
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// The model at all rows: its signal and the derivatives of its logarithm.
 class Evaluator {
@@ -72,7 +67,7 @@ std::optional<StandardFit> try_fit(const std::vector<StandardRow>& rows,
   fit.parameters = Eigen::VectorXd::Zero(m);
   std::vector<double> ratio;
   for (const StandardRow& row : rows) ratio.push_back(row.signal_v / row.base);
-  const double start = median(ratio);
+  const double start = formats::median(ratio);
   if (!(start > 0)) return std::nullopt;
   fit.parameters(0) = std::log(start);
 
@@ -190,7 +185,7 @@ double remove_gross(std::vector<StandardRow>& rows) {
     for (const StandardRow& other : rows)
       if (std::abs(other.theta_r_deg - row.theta_r_deg) <= neighbourhood_deg)
         near.push_back(other.signal_v / other.base);
-    const double relative = row.signal_v / row.base / median(near);
+    const double relative = row.signal_v / row.base / formats::median(near);
     if (relative > 0.5 && relative < 2.0)
       kept.push_back(row);
     else if (relative <= 0.5 && row.from_retro_deg < retro_deg)

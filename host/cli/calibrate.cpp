@@ -194,7 +194,9 @@ nlohmann::json to_json(const calibrate::Calibration& calibration, const std::str
 }
 
 void run(const Options& options, const Common& common) {
-  for (const std::string& file : options.files) require_new_output(file, options.output, true);
+  std::vector<std::string> inputs_named = options.files;
+  inputs_named.push_back(options.reference_brdf);
+  require_product_output(inputs_named, options.output);
   Inputs inputs = read_inputs(options);
   calibrate::CalibrateOptions settings;
   settings.standard = choose_standard(inputs.standards, options.standard);

@@ -13,14 +13,15 @@ namespace umov::cli {
 
 /// Options every command has. Filled by the root parser before a command runs.
 struct Common {
-  bool json = false;      ///< machine-readable text on stdout
-  bool quiet = false;     ///< no progress, no notes
-  std::uint64_t seed = 1; ///< for everything random
-  int threads = 0;        ///< 0 = all cores
+  bool json = false;       ///< machine-readable text on stdout
+  bool quiet = false;      ///< no progress, no notes
+  std::uint64_t seed = 1;  ///< for everything random
+  int threads = 0;         ///< 0 = all cores
   std::string command_line;
 };
 
-// Each adds one subcommand. Errors are thrown as umov::Error; the root prints them and exits with 1.
+// Each adds one subcommand. Errors are thrown as umov::Error; the root prints them and exits
+// with 1.
 void add_emulator_command(CLI::App& root, const Common& common);
 void add_scan_command(CLI::App& root, const Common& common);
 void add_calibrate_command(CLI::App& root, const Common& common);

@@ -1,10 +1,15 @@
 // umov device: look at a controller, home it, move an axis, change settings, read its fault log.
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <charconv>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <string>
+#include <system_error>
+#include <type_traits>
 #include <vector>
 
 #include <fmt/format.h>
@@ -13,7 +18,9 @@
 
 #include "host/cli/command.hpp"
 #include "host/cli/device_choice.hpp"
+#include "host/cli/interrupt.hpp"
 #include "host/errors/error.hpp"
+#include "host/instrument/program_control.hpp"
 #include "host/instrument/refusals.hpp"
 #include "host/instrument/session.hpp"
 
@@ -122,15 +129,63 @@ void info(const Options& options, const Common& common) {
   }
 }
 
-void wait_until_idle(Session& session) {
+void let_work(Session& session) {
+  session.poll(std::chrono::milliseconds(50));
+  while (session.next_event()) {
+  }
+}
+
+/// Longest move of one axis, and longest search for its home switch.
+constexpr std::chrono::seconds axis_limit{120};
+
+/// Until the axes stand: idle, or paused where a program waits. Ctrl-C brakes them.
+void wait_until_arrived(Session& session, int axes) {
+  const auto limit = axes * axis_limit;
+  const auto deadline = session.clock_us() + instrument::to_us(limit);
   for (;;) {
-    session.poll(std::chrono::milliseconds(50));
-    while (session.next_event()) {
-    }
+    let_work(session);
     const auto status = session.request(protocol::GetStatus{});
     if (status.fault != 0) throw instrument::Faulted(session.name(), status.fault, "while moving");
-    if (status.state == static_cast<std::uint8_t>(protocol::State::idle)) return;
+    const auto state = static_cast<protocol::State>(status.state);
+    if (state == protocol::State::idle || state == protocol::State::paused) return;
+    if (interrupt_flag().load()) {
+      session.request(protocol::Stop{});
+      throw Interrupted("stopped; the axes brake where they are");
+    }
+    if (session.clock_us() >= deadline) {
+      session.request(protocol::Stop{});
+      throw Error({session.name()},
+                  fmt::format("the controller is still {} after {} s",
+                              instrument::state_name(status.state), limit.count()),
+                  "it was told to stop; look at its axes and repeat the command");
+    }
   }
+}
+
+/// The whole of `text` as a finite number; `what` names it in the message.
+double finite_number(const std::string& text, const std::string& what, const char* remedy) {
+  const char* first = text.data();
+  const char* end = first + text.size();
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-') ++first;
+  double value = 0;
+  const auto [last, error] = std::from_chars(first, end, value);
+  if (error != std::errc() || last != end || !std::isfinite(value)) {
+    throw Error(fmt::format("'{}' is not {}", text, what), remedy);
+  }
+  return value;
+}
+
+/// `value` in units of 1/scale, for a field of the controller. INT32_MIN is no number there.
+template <class Integer>
+Integer scaled_integer(double value, double scale, const std::string& name) {
+  constexpr auto most = std::numeric_limits<Integer>::max();
+  const double least = std::is_signed_v<Integer> ? -static_cast<double>(most) : 0.0;
+  const double scaled = std::round(scale * value);
+  if (!(scaled >= least && scaled <= static_cast<double>(most))) {
+    throw Error(fmt::format("{} = {:g} is out of range", name, value),
+                fmt::format("give {:g} to {:g}", least / scale, static_cast<double>(most) / scale));
+  }
+  return static_cast<Integer>(scaled);
 }
 
 void print_positions(Session& session, const Common& common) {
@@ -147,40 +202,36 @@ void print_positions(Session& session, const Common& common) {
 }
 
 void home(const Options& options, const Common& common) {
-  auto session = open_session(options, common);
   std::uint8_t mask = 0;
   for (const auto& axis : options.axes)
     mask = static_cast<std::uint8_t>(mask | 1u << axis_by_name(axis));
-  session.request(protocol::Home{mask != 0 ? mask : std::uint8_t{0x3f}});
-  wait_until_idle(session);
+  if (mask == 0) mask = 0x3f;
+  catch_interrupts();
+  auto session = open_session(options, common);
+  session.request(protocol::Home{mask});
+  wait_until_arrived(session, std::popcount(mask));
   print_positions(session, common);
 }
 
 void jog(const Options& options, const Common& common) {
-  auto session = open_session(options, common);
   protocol::Move move;
   move.axis = axis_by_name(options.axis);
   if (options.target == "open") {
     move.target_udeg = protocol::open_position;
   } else {
-    try {
-      std::size_t used = 0;
-      const double target_deg = std::stod(options.target, &used);
-      if (used != options.target.size() || std::abs(target_deg) > 2000)
-        throw std::invalid_argument("");
-      move.target_udeg = static_cast<std::int32_t>(std::lround(1e6 * target_deg));
-    } catch (const std::logic_error&) {
-      throw Error(fmt::format("'{}' is not an angle", options.target),
-                  "give degrees, or open for a polariser or analyser");
-    }
+    const double target_deg = finite_number(options.target, "an angle",
+                                            "give degrees, or open for a polariser or analyser");
+    move.target_udeg = scaled_integer<std::int32_t>(target_deg, 1e6, "the angle");
   }
+  catch_interrupts();
+  auto session = open_session(options, common);
   const auto status = session.request(protocol::GetStatus{});
   if ((status.homed_mask >> move.axis & 1) == 0) {
     session.request(protocol::Home{static_cast<std::uint8_t>(1u << move.axis)});
-    wait_until_idle(session);
+    wait_until_arrived(session, 1);
   }
   session.request(move);
-  wait_until_idle(session);
+  wait_until_arrived(session, 1);
   print_positions(session, common);
 }
 
@@ -198,25 +249,24 @@ void config(const Options& options, const Common& common) {
   for (const auto& setting : options.settings) {
     const auto equals = setting.find('=');
     const std::string key = setting.substr(0, equals);
-    double value = 0;
-    try {
-      value = std::stod(equals == std::string::npos ? "" : setting.substr(equals + 1));
-    } catch (const std::logic_error&) {
+    if (equals == std::string::npos) {
       throw Error(fmt::format("'{}' is not key=number", setting),
                   "write for instance speed_deg_s=10");
     }
+    const double value =
+        finite_number(setting.substr(equals + 1), "a number", "write for instance speed_deg_s=10");
     if (key == "min_deg")
-      set.min_udeg = static_cast<std::int32_t>(std::lround(1e6 * value));
+      set.min_udeg = scaled_integer<std::int32_t>(value, 1e6, key);
     else if (key == "max_deg")
-      set.max_udeg = static_cast<std::int32_t>(std::lround(1e6 * value));
+      set.max_udeg = scaled_integer<std::int32_t>(value, 1e6, key);
     else if (key == "speed_deg_s")
-      set.speed_mdeg_s = static_cast<std::uint32_t>(std::lround(1e3 * value));
+      set.speed_mdeg_s = scaled_integer<std::uint32_t>(value, 1e3, key);
     else if (key == "acceleration_deg_s2")
-      set.acceleration_mdeg_s2 = static_cast<std::uint32_t>(std::lround(1e3 * value));
+      set.acceleration_mdeg_s2 = scaled_integer<std::uint32_t>(value, 1e3, key);
     else if (key == "jerk_deg_s3")
-      set.jerk_mdeg_s3 = static_cast<std::uint32_t>(std::lround(1e3 * value));
+      set.jerk_mdeg_s3 = scaled_integer<std::uint32_t>(value, 1e3, key);
     else if (key == "take_up_deg")
-      set.take_up_udeg = static_cast<std::uint32_t>(std::lround(1e6 * value));
+      set.take_up_udeg = scaled_integer<std::uint32_t>(value, 1e6, key);
     else
       throw Error(fmt::format("an axis has no setting '{}'", key),
                   "settings are min_deg, max_deg, speed_deg_s, acceleration_deg_s2, jerk_deg_s3, "
@@ -233,11 +283,34 @@ void config(const Options& options, const Common& common) {
   fmt::print("{}\n", common.json ? out.dump() : out.dump(2));
 }
 
+/// Clears one fault after the other until none is latched; returns their names.
+std::vector<std::string> clear_faults(Session& session) {
+  constexpr std::chrono::seconds patience{10};
+  const auto deadline = session.clock_us() + instrument::to_us(patience);
+  std::vector<std::string> cleared;
+  for (;;) {
+    const auto fault = session.request(protocol::GetStatus{}).fault;
+    if (fault == 0) return cleared;
+    try {
+      session.request(protocol::ClearFault{fault});
+      cleared.push_back(instrument::fault_name(fault));
+      continue;
+    } catch (const instrument::Refused& refused) {
+      // Busy: the axes still come to rest.
+      if (refused.refusal() != protocol::Refusal::busy || session.clock_us() >= deadline) throw;
+    }
+    let_work(session);
+  }
+}
+
 void log(const Options& options, const Common& common) {
   auto session = open_session(options, common);
   if (options.clear) {
-    const auto status = session.request(protocol::GetStatus{});
-    if (status.fault != 0) session.request(protocol::ClearFault{status.fault});
+    const auto cleared = clear_faults(session);
+    // On stderr where stdout is for the entries alone.
+    for (const auto& fault : cleared)
+      fmt::print(common.json ? stderr : stdout, "cleared {}\n", fault);
+    if (cleared.empty() && !common.json) fmt::print("no fault was latched\n");
   }
   json entries = json::array();
   for (std::uint16_t index = 0;; ++index) {
@@ -303,7 +376,7 @@ void add_device_command(CLI::App& root, const Common& common) {
   config_command->add_option("axis", options->axis, "axis")->required();
   config_command->add_option("settings", options->settings, "key=value …");
   add("log", "the fault log, newest first", log)
-      ->add_flag("--clear", options->clear, "clear the latched fault as well");
+      ->add_flag("--clear", options->clear, "clear the latched faults as well");
 }
 
 }  // namespace umov::cli

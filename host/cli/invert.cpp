@@ -92,14 +92,32 @@ std::vector<invert::Limits> limits(const std::vector<std::string>& texts) {
   return out;
 }
 
-/// Digits that the interval justifies: two of the half width.
+/// Decimal places that the interval justifies: two digits of the half width.
+int decimal_places(double lo, double hi) {
+  const double half = 0.5 * (hi - lo);
+  return half > 0 ? 1 - static_cast<int>(std::floor(std::log10(half))) : 6;
+}
+
+/// `value` rounded to decimal places (negative: tens, hundreds …), or in powers of ten where that
+/// would be long. Numbers of one interval get the same places, so that rounding, which keeps the
+/// order, cannot put a value outside of its limits.
+std::string rounded_text(double value, int places) {
+  if (!std::isfinite(value)) return fmt::format("{}", value);
+  if (places >= 0 && places <= 7 && std::abs(value) < 1e7) {
+    std::string text = fmt::format("{:.{}f}", value, places);
+    const bool zero = text.find_first_of("123456789") == std::string::npos;
+    return zero && text.front() == '-' ? text.substr(1) : text;
+  }
+  const double unit = std::pow(10.0, places);
+  const double rounded = std::round(value * unit) / unit;
+  if (rounded == 0) return "0";
+  const int digits = static_cast<int>(std::floor(std::log10(std::abs(rounded)) + 1e-9)) + places;
+  return fmt::format("{:.{}g}", rounded, std::clamp(digits + 1, 1, 15));
+}
+
 std::string value_text(const formats::Estimate& e) {
-  const double half = 0.5 * (e.hi - e.lo);
-  if (!(half > 0)) return fmt::format("{:.6g}", e.value);
-  const double size = std::max(std::abs(e.value), half);
-  const int digits = std::clamp(
-      static_cast<int>(std::floor(std::log10(size)) - std::floor(std::log10(half))) + 2, 2, 10);
-  return fmt::format("{:.{}g}", e.value, digits);
+  if (!(e.hi > e.lo)) return fmt::format("{:.6g}", e.value);
+  return rounded_text(e.value, decimal_places(e.lo, e.hi));
 }
 
 std::string interval_text(const formats::Estimate& e, bool fixed) {
@@ -107,7 +125,9 @@ std::string interval_text(const formats::Estimate& e, bool fixed) {
   const double half = 0.5 * (e.hi - e.lo);
   const bool symmetric = std::abs(e.hi + e.lo - 2 * e.value) < 0.1 * (e.hi - e.lo);
   if (symmetric && e.at_bound.empty()) return fmt::format("± {:.2g}", half);
-  return fmt::format("{:.3g} … {:.3g}", e.lo, e.hi);
+  if (!(e.hi > e.lo)) return fmt::format("{:.6g} … {:.6g}", e.lo, e.hi);
+  const int places = decimal_places(e.lo, e.hi);
+  return rounded_text(e.lo, places) + " … " + rounded_text(e.hi, places);
 }
 
 void print_parameters(const formats::FitResult& fit,
@@ -139,8 +159,10 @@ void print_fit(const formats::FitResult& fit, const std::string& output) {
     fmt::print("directional-hemispherical reflectance\n  {:>6} {:>8}  {:>8}  95 %\n", "nm",
                "theta_i", "value");
     for (const auto& d : fit.dhr) {
-      fmt::print("  {:>6g} {:>8g}  {:>8.5f}  {:.5f} … {:.5f}\n", d.wavelength_nm, d.theta_i_deg,
-                 d.value, d.lo, d.hi);
+      const int places = std::max(decimal_places(d.lo, d.hi), 5);
+      fmt::print("  {:>6g} {:>8g}  {:>8}  {} … {}\n", d.wavelength_nm, d.theta_i_deg,
+                 rounded_text(d.value, places), rounded_text(d.lo, places),
+                 rounded_text(d.hi, places));
     }
   }
   const bool calibration = std::any_of(fit.factors.begin(), fit.factors.end(),
@@ -208,7 +230,12 @@ void write_hemispheres(const Arguments& arguments, const formats::FitResult& fit
   if (arguments.hemisphere.ends_with(".csv")) {
     invert::write_hemispheres_csv(arguments.hemisphere, parts);
   } else if (arguments.hemisphere.ends_with(".h5")) {
-    invert::write_hemispheres_hdf5(arguments.hemisphere, parts);
+    formats::Provenance provenance;
+    provenance.program = fit.program;
+    provenance.command = fit.command;
+    invert::write_hemispheres_hdf5(
+        arguments.hemisphere, parts, provenance,
+        {{"model", fit.model}, {"data_file", fit.data_file}, {"data_sha256", fit.data_sha256}});
   }
 }
 

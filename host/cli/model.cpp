@@ -199,6 +199,7 @@ void dhr(const Options& options, const Common& common) {
       out["mirror_s"] = mirror.s;
       out["mirror_p"] = mirror.p;
     }
+    out["total"] = diffuse.unpolarized + mirror.unpolarized;
     std::cout << out.dump() << "\n";
     return;
   }

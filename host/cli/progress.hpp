@@ -6,8 +6,8 @@
 
 namespace umov::cli {
 
-/// Writes to stderr; on a terminal it redraws one line, elsewhere it prints a line every ten seconds.
-/// Silent for the first second (short work needs no bar) and when `quiet`.
+/// Writes to stderr; on a terminal it redraws one line, elsewhere it prints a line every ten
+/// seconds. Silent for the first second (short work needs no bar) and when `quiet`.
 class Progress {
  public:
   Progress(std::string what, bool quiet);

@@ -60,8 +60,8 @@ void print_text(const calibrate::Reduction& reduction, const std::string& origin
   fmt::print("{} records: {} points, {} left out (changed set-up or shutter closed)\n", s.records,
              s.points, s.excluded);
   fmt::print(
-      "flagged: {} saturated, {} beyond the standard's exit angles, {} in the detector's shadow, "
-      "{} below the noise\n",
+      "flagged: {} saturated, {} beyond the standard's exit angles, {} in the detector's shadow; "
+      "used though below the noise: {}\n",
       s.saturated, s.outside_instrument_function, s.in_shadow, s.below_noise);
   fmt::print("median relative u: {:.3g} % noise, {:.3g} % with {} shared factors\n",
              100 * s.median_relative_u, 100 * s.median_relative_total_u,
@@ -110,8 +110,7 @@ nlohmann::json to_json(const calibrate::Reduction& reduction, const std::string&
 }
 
 void run(const Options& options, const Common& common) {
-  require_new_output(options.scan, options.output, true);
-  if (!options.calibration.empty()) require_new_output(options.calibration, options.output, true);
+  require_product_output({options.scan, options.calibration}, options.output);
   const formats::ScanFile file = formats::read_scan(options.scan);
   std::string origin;
   const auto calibration = find_calibration(options, file.table, origin);

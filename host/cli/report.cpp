@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/cli/command.hpp"
+#include "host/cli/output_file.hpp"
 #include "host/report/report.hpp"
 
 namespace umov::cli {
@@ -25,6 +26,9 @@ void run(const Arguments& arguments, const Common& common) {
   options.title = arguments.title;
   options.program = std::string("umov ") + UMOV_VERSION;
   options.command = common.command_line;
+  std::vector<std::string> inputs;
+  for (const auto& file : arguments.files) inputs.push_back(file.string());
+  require_product_output(inputs, arguments.output.string());
   const report::Summary summary = report::write_report(arguments.files, arguments.output, options);
   if (common.json) {
     fmt::print("{}\n", nlohmann::json{{"file", arguments.output.string()},

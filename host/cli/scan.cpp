@@ -42,6 +42,21 @@ void print_dry_run(const scan::Plan& plan, const Options& options, const Common&
   }
 }
 
+/// What stands after Ctrl-C, with the whole command line: a resumed scan needs the same device,
+/// sample and seed.
+std::string how_to_go_on(const scan::RunSummary& summary, const Options& options,
+                         const Common& common) {
+  const bool resumable = std::filesystem::exists(scan::journal_path(options.output));
+  std::string command = common.command_line;
+  if (resumable && !options.resume) command += " --resume";
+  if (summary.records == 0) {
+    return fmt::format("stopped before anything was measured. {} with: {}",
+                       resumable ? "Go on" : "Start again", command);
+  }
+  return fmt::format("stopped after {} of {} records; {} is valid. Go on with: {}", summary.records,
+                     summary.total, options.output, command);
+}
+
 void run(const Options& options, const Common& common) {
   auto plan = scan::load_plan(options.plan);
   const std::string plan_sample = plan.sample;
@@ -69,11 +84,7 @@ void run(const Options& options, const Common& common) {
   const auto summary = scan::run_scan(plan, run_options);
   progress.finish();
 
-  if (!summary.complete) {
-    throw Interrupted(fmt::format(
-        "stopped after {} of {} records; {} is valid. Go on with: umov scan {} -o {} --resume",
-        summary.records, summary.total, options.output, options.plan, options.output));
-  }
+  if (!summary.complete) throw Interrupted(how_to_go_on(summary, options, common));
   if (common.json) {
     fmt::print("{}\n", nlohmann::json{{"file", options.output},
                                       {"records", summary.records},

@@ -16,7 +16,7 @@ struct BrdfTable {
     std::vector<double> theta_i_deg, theta_r_deg, phi_r_deg, wavelength_nm;
     std::vector<double> polarizer_deg, analyzer_deg;  ///< formats::open_axis = open
     std::vector<double> brdf_per_sr, brdf_u;          ///< 1/sr
-    std::vector<int> used;                            ///< 0: flagged (saturated, below the noise …)
+    std::vector<int> used;  ///< 0: flagged (saturated, below the noise …)
     std::size_t size() const { return brdf_per_sr.size(); }
   } points;
 

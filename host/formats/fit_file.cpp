@@ -23,7 +23,9 @@ Json estimate_json(const Estimate& estimate, const FitParameter& parameter) {
   out["hi"] = number(estimate.hi);
   if (parameter.shared) out["shared"] = true;
   out["unit"] = parameter.unit;
-  out["standard_error"] = number(estimate.standard_error);
+  // An optimum on a limit has no linearised error.
+  out["standard_error"] =
+      estimate.at_bound.empty() ? number(estimate.standard_error) : Json(nullptr);
   if (parameter.fixed) out["fixed"] = true;
   if (!estimate.at_bound.empty()) out["at_bound"] = estimate.at_bound;
   out["identifiable"] = estimate.identifiable;
@@ -117,6 +119,7 @@ class Reader {
     out.lo = real(need(value, "lo"), name + ".lo");
     out.hi = real(need(value, "hi"), name + ".hi");
     out.standard_error = real_or(value, "standard_error", (out.hi - out.lo) / (2 * 1.959964));
+    if (std::isnan(out.standard_error)) out.standard_error = 0;
     out.at_bound = text_or(value, "at_bound");
     out.identifiable = truth_or(value, "identifiable", true);
     return out;
@@ -195,15 +198,15 @@ std::string fit_to_json(const FitResult& fit) {
   out["derived"] = parameters_json(fit.derived);
   out["at_bound"] = fit.at_bound;
   out["correlations"] = Json::array();
+  out["correlations_wavelength_nm"] = Json::array();
   for (const auto& pair : fit.correlations) {
-    Json item = Json::array({pair.first, pair.second, number(pair.coefficient)});
-    // A fourth entry says at which wavelengths; null stands for a shared parameter.
+    out["correlations"].push_back(Json::array({pair.first, pair.second, number(pair.coefficient)}));
+    // Entry by entry the wavelengths; null stands for a shared parameter.
     Json where = Json::array();
     for (const auto& nm : {pair.first_wavelength_nm, pair.second_wavelength_nm}) {
       where.push_back(nm ? Json(*nm) : Json(nullptr));
     }
-    item.push_back(std::move(where));
-    out["correlations"].push_back(std::move(item));
+    out["correlations_wavelength_nm"].push_back(std::move(where));
   }
   out["identifiability"] = fit.identifiability;
   out["notes"] = fit.notes;
@@ -212,6 +215,7 @@ std::string fit_to_json(const FitResult& fit) {
     out["dhr"].push_back({{"wavelength_nm", dhr.wavelength_nm},
                           {"theta_i_deg", dhr.theta_i_deg},
                           {"value", number(dhr.value)},
+                          {"mirror", number(dhr.mirror)},
                           {"lo", number(dhr.lo)},
                           {"hi", number(dhr.hi)}});
   }
@@ -277,18 +281,28 @@ FitResult fit_from_json(const std::string& text, const std::string& file) {
   fit.at_bound = reader.texts_or(root, "at_bound");
   if (const auto pairs = root.find("correlations"); pairs != root.end()) {
     for (const Json& item : reader.array(*pairs, "correlations")) {
-      if (!item.is_array() || item.size() < 3) {
+      if (!item.is_array() || item.size() != 3) {
         reader.fail("correlations", "needs entries of two names and a number");
       }
       FitResult::Correlation pair;
       pair.first = reader.text(item[0], "correlations");
       pair.second = reader.text(item[1], "correlations");
       pair.coefficient = reader.real(item[2], "correlations");
-      if (item.size() > 3 && item[3].is_array() && item[3].size() == 2) {
-        pair.first_wavelength_nm = optional_real(item[3][0]);
-        pair.second_wavelength_nm = optional_real(item[3][1]);
-      }
       fit.correlations.push_back(std::move(pair));
+    }
+  }
+  const char* const where = "correlations_wavelength_nm";
+  if (const auto list = root.find(where); list != root.end()) {
+    if (reader.array(*list, where).size() != fit.correlations.size()) {
+      reader.fail(where, "has not one entry for each of \"correlations\"");
+    }
+    for (std::size_t k = 0; k < fit.correlations.size(); ++k) {
+      const Json& item = (*list)[k];
+      if (!item.is_array() || item.size() != 2) {
+        reader.fail(where, "needs entries of two wavelengths or null");
+      }
+      fit.correlations[k].first_wavelength_nm = optional_real(item[0]);
+      fit.correlations[k].second_wavelength_nm = optional_real(item[1]);
     }
   }
   fit.identifiability = reader.texts_or(root, "identifiability");
@@ -300,7 +314,8 @@ FitResult fit_from_json(const std::string& text, const std::string& file) {
                          reader.real(reader.need(item, "theta_i_deg"), "dhr.theta_i_deg"),
                          reader.real(reader.need(item, "value"), "dhr.value"),
                          reader.real(reader.need(item, "lo"), "dhr.lo"),
-                         reader.real(reader.need(item, "hi"), "dhr.hi")});
+                         reader.real(reader.need(item, "hi"), "dhr.hi"),
+                         reader.real_or(item, "mirror", 0)});
     }
   }
   if (const auto list = root.find("factors"); list != root.end()) {

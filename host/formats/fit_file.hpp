@@ -16,8 +16,9 @@ struct Estimate {
   double value = 0;
   double lo = 0;
   double hi = 0;
-  double standard_error = 0;  ///< linearised, with the calibration's share; 0 where fixed
-  std::string at_bound;       ///< "", "lower" or "upper": the optimum lies on this limit
+  /// Linearised, with the calibration's share; 0 where fixed. In the file null where at_bound.
+  double standard_error = 0;
+  std::string at_bound;  ///< "", "lower" or "upper": the optimum lies on this limit
   /// The data pin this number down by itself: farther than four sigma from its limits, an interval
   /// well inside the allowed range, and no other parameter can take its place.
   bool identifiable = true;
@@ -54,7 +55,8 @@ struct FitResult {
 
   struct Dhr {
     double wavelength_nm = 0, theta_i_deg = 0;
-    double value = 0, lo = 0, hi = 0;
+    double value = 0, lo = 0, hi = 0;  ///< mirror part included
+    double mirror = 0;                 ///< of value, what leaves in the mirror direction
   };
   std::vector<Dhr> dhr;  ///< unpolarised incidence
 

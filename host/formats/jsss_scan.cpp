@@ -8,6 +8,7 @@
 #include "host/errors/error.hpp"
 #include "host/formats/atomic_file.hpp"
 #include "host/formats/number_csv.hpp"
+#include "host/formats/order_statistics.hpp"
 #include "host/formats/scan_table.hpp"
 
 namespace umov::formats {
@@ -59,13 +60,6 @@ JsssEmissivity parse_emissivity(std::string_view text, const std::string& name) 
         table.standard_deviation.push_back(row[2]);
       });
   return table;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Noise of the darkest quarter, from second differences along each camera angle.

@@ -4,43 +4,39 @@
 #include <numbers>
 
 #include "host/formats/scan_table.hpp"
+#include "host/optics/mueller.hpp"
 
 namespace umov::formats {
 namespace {
 
-/// (I, Q, U) of a linear polariser or the row of an analyser, without the analyser's one half.
-std::array<double, 3> axis_vector(double axis_deg) {
-  if (is_open(axis_deg)) return {1, 0, 0};
-  const double twice = 2 * axis_deg * std::numbers::pi / 180;
-  return {1, -std::cos(twice), std::sin(twice)};
+optics::Stokes<double> source_of(PolarizationState state) {
+  return is_open(state.polarizer_deg) ? optics::unpolarized<double>()
+                                      : optics::polarizer_stokes<double>(state.polarizer_deg);
 }
 
-double analyzer_factor(double axis_deg) {
-  return is_open(axis_deg) ? 1.0 : 0.5;
+optics::Stokes<double> analyzer_of(PolarizationState state) {
+  return is_open(state.analyzer_deg) ? optics::unpolarized<double>()
+                                     : optics::analyzer_stokes<double>(state.analyzer_deg);
 }
 
 /// Independent uncertainty of a contraction: the scale m00 and the elements' own scatter.
 double contraction_u(double value, double m00, PolarizationState state, double m00_relative_u,
                      double element_relative_u) {
-  const auto out = axis_vector(state.analyzer_deg);
-  const auto in = axis_vector(state.polarizer_deg);
+  const auto out = analyzer_of(state), in = source_of(state);
   double weight = 0;
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j)
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j)
       if (i + j > 0) weight += out[i] * in[j] * out[i] * in[j];
-  const double factor = analyzer_factor(state.analyzer_deg);
-  return std::hypot(value * m00_relative_u, factor * m00 * element_relative_u * std::sqrt(weight));
+  return std::hypot(value * m00_relative_u, m00 * element_relative_u * std::sqrt(weight));
 }
 
 }  // namespace
 
 double contract(const std::array<double, 16>& mueller, PolarizationState state) {
-  const auto out = axis_vector(state.analyzer_deg);
-  const auto in = axis_vector(state.polarizer_deg);
-  double sum = 0;
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j) sum += out[i] * mueller[4 * i + j] * in[j];
-  return analyzer_factor(state.analyzer_deg) * sum;
+  optics::Mueller<double> matrix;
+  for (int i = 0; i < 16; ++i)
+    optics::set_element(matrix, i / 4, i % 4, mueller[static_cast<std::size_t>(i)]);
+  return optics::contract<double>(analyzer_of(state), matrix, source_of(state));
 }
 
 std::vector<PolarizationState> standard_states() {

@@ -46,7 +46,7 @@ inline const std::array<ScanColumn, 17> scan_columns = {{
      &ScanTable::theta_r_deg},
     {"phi_r_deg", "deg", "azimuth of the detector plane, above -180 up to 180", Text::angle, -180,
      180, &ScanTable::phi_r_deg},
-    {"wavelength_nm", "nm", "laser", Text::angle, 1e-3, 1e9, &ScanTable::wavelength_nm},
+    {"wavelength_nm", "nm", "laser", Text::angle, 100, 1e5, &ScanTable::wavelength_nm},
     {"polarizer_deg", "deg", "transmission axis from p towards +s, or open", Text::axis, -360, 360,
      &ScanTable::polarizer_deg},
     {"analyzer_deg", "deg", "transmission axis from p towards +s, or open", Text::axis, -360, 360,

@@ -36,8 +36,8 @@ struct ScanTable {
   std::vector<double> gain;                         ///< nominal amplifier range
   std::vector<double> x_v, y_v, x_se_v, y_se_v;     ///< volts referred to range 1
   std::vector<double> monitor_v;
-  std::vector<int> saturated;                       ///< 0 or 1
-  std::vector<int> shutter_open;                    ///< 1 open, 0 closed
+  std::vector<int> saturated;     ///< 0 or 1
+  std::vector<int> shutter_open;  ///< 1 open, 0 closed
 
   std::size_t size() const { return index.size(); }
   void reserve(std::size_t n);

@@ -17,6 +17,8 @@ std::string column_range_text(const ScanColumn& column) {
   if (column.name == "phi_r_deg") return "above -180, up to 180 deg";
   if (column.text == Text::axis) return "degrees from p towards +s, -360 to 360, or `open`";
   if (column.text == Text::range) return "a positive amplifier range such as 1, 10, 100, 1000";
+  if (column.name == "wavelength_nm")
+    return "nanometres from 100 to 100000; 0.532 would be micrometres";
   if (column.name == "index") return "integers from 0 upwards";
   std::string unit = column.unit == "1" ? "" : " " + std::string(column.unit);
   if (column.lowest == -unlimited && column.highest == unlimited)

@@ -41,8 +41,9 @@ constexpr std::array<FaultText, 12> fault_texts{{
     {"missed_deadline", "the controller missed a deadline",
      "clear the fault (umov device log --clear) and resume; restart the controller if it comes "
      "back"},
-    {"not_homed", "an axis was asked to move before it was homed",
-     "clear the fault (umov device log --clear) and home the axes (umov device home)"},
+    {"not_homed", "the home switch of an axis was not found",
+     "check switch and cable, clear the fault (umov device log --clear), home again (umov device "
+     "home)"},
     {"internal", "the firmware found an inconsistency in itself",
      "restart the controller and keep the output of umov device log for its developers"},
 }};
@@ -88,7 +89,7 @@ RefusalText refusal_text(const protocol::ErrorReply& reply) {
       return {"it does not accept this program's protocol version",
               "flash the firmware of this release"};
     case Refusal::busy:
-      return {"it serves another host", "end the other program first"};
+      return {"its axes are still moving", "wait, then repeat"};
     case Refusal::stale_program:
       return {"it has another program in memory", "resume the scan, which starts it anew"};
   }

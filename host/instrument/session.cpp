@@ -159,6 +159,8 @@ std::optional<Session::Reply> Session::await_reply(const Pending& pending) {
       if (frame->type == protocol::ErrorReply::info.id) {
         const auto refusal = decoded<protocol::ErrorReply>(frame->payload);
         if (refusal && refusal->request == pending.request) {
+          const auto code = static_cast<protocol::Refusal>(refusal->code);
+          if (open_ && code == protocol::Refusal::schema_mismatch) throw_restarted();
           throw Refused(name(), protocol::message_name(pending.request), *refusal);
         }
       }
@@ -192,8 +194,7 @@ void Session::handle(const protocol::FrameView& frame) {
       const auto refusal = decoded<protocol::ErrorReply>(frame.payload);
       if (!refusal) break;
       if (static_cast<protocol::Refusal>(refusal->code) == protocol::Refusal::schema_mismatch) {
-        // It had accepted our schema, so it has forgotten the session.
-        throw LinkLost(name(), "the controller was restarted");
+        throw_restarted();
       }
       if (refusal->request == protocol::ProgramRow::info.id ||
           refusal->request == protocol::RecordAck::info.id) {
@@ -267,6 +268,11 @@ void Session::throw_out_of_range(std::string_view message, std::string_view fiel
               "the field " + std::string(field) + " of the message " + std::string(message) +
                   " is out of range",
               "allowed is " + std::to_string(min) + " to " + std::to_string(max));
+}
+
+void Session::throw_restarted() const {
+  // It had accepted our schema, so it has forgotten the session.
+  throw LinkLost(name(), "the controller was restarted");
 }
 
 void Session::throw_bad_reply(std::string_view message) const {

@@ -120,6 +120,7 @@ class Session {
   void take_clock_reply(const protocol::TimeSyncReply& reply);
   [[noreturn]] void throw_out_of_range(std::string_view message, std::string_view field,
                                        std::int64_t min, std::int64_t max) const;
+  [[noreturn]] void throw_restarted() const;
   [[noreturn]] void throw_bad_reply(std::string_view message) const;
   template <class M>
   std::array<std::uint8_t, protocol::wire_size<M>> payload_of(const M& message) const;

@@ -72,14 +72,17 @@ Layout layout_of(const brdf::Model& model, const Observations& data, const Optio
   return layout;
 }
 
-/// Points with a value that a relative deviation can be formed of.
-Observations with_signal(const Observations& data, std::size_t& left_out) {
+/// Points with a value that a relative deviation can be formed of: nearer to zero than three of its
+/// uncertainties it would be one of the noise.
+Observations with_signal(const Observations& data, const formats::BrdfTable& table,
+                         std::size_t& left_out) {
   std::vector<std::vector<bool>> keep;
   left_out = 0;
   for (const Spectrum& spectrum : data.spectra) {
     keep.emplace_back();
     for (const Observation& point : spectrum.points) {
-      keep.back().push_back(point.brdf_per_sr > 0);
+      keep.back().push_back(point.brdf_per_sr > 0 &&
+                            point.brdf_per_sr >= 3 * table.points.brdf_u[point.table_index]);
       if (!keep.back().back()) ++left_out;
     }
   }
@@ -280,16 +283,17 @@ void set_dhr(const Layout& layout, const formats::BrdfTable& table, const Soluti
     }
   }
   for (std::size_t w = 0; w < fit.wavelengths_nm.size(); ++w) {
-    for (const double angle : angles) fit.dhr.push_back({fit.wavelengths_nm[w], angle, 0, 0, 0});
+    for (const double angle : angles) fit.dhr.push_back({fit.wavelengths_nm[w], angle});
   }
   for_each_index(fit.dhr.size(), options.threads, [&](std::size_t i) {
     FitResult::Dhr& entry = fit.dhr[i];
     const std::size_t w = i / angles.size();
     const double theta_i = optics::radians(entry.theta_i_deg);
     const std::vector<double> values = layout.values(w, solution.x);
-    entry.value =
-        brdf::dhr(layout.model(), values, layout.wavelength_um(w), theta_i).unpolarized +
+    entry.mirror =
         brdf::mirror_dhr(layout.model(), values, layout.wavelength_um(w), theta_i).unpolarized;
+    entry.value = brdf::dhr(layout.model(), values, layout.wavelength_um(w), theta_i).unpolarized +
+                  entry.mirror;
     const Interval interval =
         posterior.interval(entry.value, dhr_gradient(layout, solution.x, w, theta_i));
     entry.lo = std::max(interval.lo, 0.0);
@@ -340,11 +344,11 @@ FitResult invert(const formats::BrdfTable& table, const Options& options) {
   FitResult fit;
   if (options.objective == Objective::paper) {
     std::size_t left_out = 0;
-    data = with_signal(data, left_out);
+    data = with_signal(data, table, left_out);
     if (left_out > 0) {
       fit.notes.push_back(std::to_string(left_out) +
-                          " points with values at or below 0 were left out: a relative deviation "
-                          "needs a signal");
+                          " points below three times their uncertainty were left out: a relative "
+                          "deviation needs a signal");
     }
   }
   const Layout layout = layout_of(model, data, options);
@@ -430,9 +434,9 @@ FitResult invert(const formats::BrdfTable& table, const Options& options) {
   if (!fit.converged) fit.notes.push_back("the minimiser stopped before it had converged");
   const auto brightest = std::max_element(fit.dhr.begin(), fit.dhr.end(),
                                           [](const auto& a, const auto& b) { return a.lo < b.lo; });
-  const bool relative = std::find(table.keys.begin(), table.keys.end(),
-                                  std::pair<std::string, std::string>("relative_units", "1")) !=
-                        table.keys.end();
+  const bool relative =
+      std::find(table.keys.begin(), table.keys.end(),
+                std::pair<std::string, std::string>("relative_units", "1")) != table.keys.end();
   if (relative) {
     fit.notes.push_back("the data have no absolute scale: reflectance and weights are relative");
   } else if (brightest != fit.dhr.end() && brightest->lo > 1) {

@@ -44,7 +44,7 @@ void require_usable(const formats::BrdfTable::Points& p, std::size_t i) {
 
 /// Relative bend of a sequence along its scan rows: sum of |second differences| over sum of
 /// |values|.
-double roughness(const Spectrum& spectrum, const std::vector<std::vector<std::size_t>>& rows,
+double roughness(const std::vector<std::vector<std::size_t>>& rows,
                  const std::vector<double>& values) {
   double bend = 0, size = 0;
   for (const auto& row : rows) {
@@ -53,7 +53,6 @@ double roughness(const Spectrum& spectrum, const std::vector<std::vector<std::si
       size += std::abs(values[row[i]]);
     }
   }
-  static_cast<void>(spectrum);
   return size > 0 ? bend / size : std::numeric_limits<double>::infinity();
 }
 
@@ -89,7 +88,7 @@ void classify(Spectrum& spectrum, CommonError& common) {
   }
   if (!finite) return;
   const bool constant = highest - lowest <= 1e-9 * std::max(std::abs(highest), std::abs(lowest));
-  if (constant || roughness(spectrum, rows, ratio) < roughness(spectrum, rows, common.per_point)) {
+  if (constant || roughness(rows, ratio) < roughness(rows, common.per_point)) {
     common.relative = true;
     common.per_point = std::move(ratio);
   }

@@ -138,7 +138,8 @@ Interval Posterior::interval(double value, const Eigen::VectorXd& by_x) const {
 Interval Posterior::parameter_interval(std::size_t free) const {
   const Coordinate& k = layout_.free()[free].coordinate;
   const auto i = static_cast<Eigen::Index>(free);
-  const Interval x = interval(x_[free], Eigen::VectorXd::Unit(static_cast<Eigen::Index>(x_.size()), i));
+  const Interval x =
+      interval(x_[free], Eigen::VectorXd::Unit(static_cast<Eigen::Index>(x_.size()), i));
   Interval out{k.lo, k.hi};
   // At the limits themselves the limit's own value, not that of the coordinate's safe stop.
   const double within = 1e-9 * (k.hi_x() - k.lo_x());

@@ -10,6 +10,8 @@
 #include "host/brdf/model.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/atomic_file.hpp"
+#include "host/formats/content_hash.hpp"
+#include "host/formats/h5_header.hpp"
 #include "host/formats/hdf5_image.hpp"
 #include "host/invert/layout.hpp"
 #include "host/invert/observations.hpp"
@@ -153,8 +155,24 @@ void write_hemispheres_csv(const std::string& path, const std::vector<Hemisphere
   formats::replace_file(path, text);
 }
 
-void write_hemispheres_hdf5(const std::string& path, const std::vector<Hemisphere>& parts) {
+void write_hemispheres_hdf5(const std::string& path, const std::vector<Hemisphere>& parts,
+                            const formats::Provenance& provenance,
+                            const std::vector<std::pair<std::string, std::string>>& keys) {
+  constexpr const char* format_name = "umov hemisphere h5";
+  formats::check_storable(keys, path);
+  formats::ContentHash hash;
+  hash.text(format_name);
+  hash.pairs("header", keys);
+  for (const Hemisphere& h : parts) {
+    hash.column("wavelength_nm", std::span(&h.wavelength_nm, 1));
+    hash.column("theta_i_deg", std::span(&h.theta_i_deg, 1));
+    hash.column("theta_r_deg", h.theta_r_deg);
+    hash.column("phi_r_deg", h.phi_r_deg);
+    hash.column("brdf_per_sr", h.brdf_per_sr);
+    hash.column("brdf_u", h.brdf_u);
+  }
   formats::Hdf5Builder file(path);
+  formats::write_h5_header(file, format_name, keys, provenance, hash.hex_digest());
   for (const Hemisphere& h : parts) {
     std::string group =
         "/hemisphere_" + wavelength_text(h.wavelength_nm) + "_" + wavelength_text(h.theta_i_deg);

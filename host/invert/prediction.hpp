@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/formats/brdf_table.hpp"
 #include "host/formats/fit_file.hpp"
+#include "host/formats/provenance.hpp"
 
 namespace umov::invert {
 
@@ -15,8 +17,8 @@ struct Prediction {
   std::vector<double> brdf_per_sr;        ///< the model, without the calibration factors
   std::vector<double> calibrated_per_sr;  ///< the same with the fitted factors applied: what a
                                           ///< point should read
-  std::vector<double> residual;  ///< (measured − calibrated)/uncertainty, NaN where the
-                                 ///< uncertainty is not positive
+  std::vector<double> residual;           ///< (measured − calibrated)/uncertainty, NaN where the
+                                          ///< uncertainty is not positive
 };
 /// Throws umov::Error where the table has a wavelength that was not fitted.
 Prediction predict(const formats::FitResult& fit, const formats::BrdfTable& table);
@@ -36,8 +38,12 @@ Hemisphere hemisphere(const formats::FitResult& fit, double wavelength_nm, doubl
 
 /// CSV with columns wavelength_nm, theta_i_deg, theta_r_deg, phi_r_deg, brdf_per_sr, brdf_u.
 void write_hemispheres_csv(const std::string& path, const std::vector<Hemisphere>& parts);
-/// HDF5: group /hemisphere_<nm>_<theta_i> for each part with wavelength_nm[1], theta_i_deg[1],
-/// theta_r_deg[r], phi_r_deg[p], brdf_per_sr[r,p], brdf_u[r,p], units as attributes.
-void write_hemispheres_hdf5(const std::string& path, const std::vector<Hemisphere>& parts);
+/// HDF5 with the header of all files (format "umov hemisphere h5", provenance, checksum; `keys`
+/// such as data_sha256 in /header and as root attributes): group /hemisphere_<nm>_<theta_i> for
+/// each part with wavelength_nm[1], theta_i_deg[1], theta_r_deg[r], phi_r_deg[p], brdf_per_sr[r,p],
+/// brdf_u[r,p], units as attributes.
+void write_hemispheres_hdf5(const std::string& path, const std::vector<Hemisphere>& parts,
+                            const formats::Provenance& provenance,
+                            const std::vector<std::pair<std::string, std::string>>& keys);
 
 }  // namespace umov::invert

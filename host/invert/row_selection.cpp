@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "host/errors/error.hpp"
+#include "host/formats/order_statistics.hpp"
 #include "host/formats/scan_table.hpp"
 #include "host/invert/prediction.hpp"
 #include "host/optics/angles.hpp"
@@ -66,12 +67,6 @@ bool holds(const RowCondition& condition, const formats::BrdfTable::Points& poin
                                            });
   }
   return inside != condition.negated;
-}
-
-double quantile(std::vector<double> values, double q) {
-  const auto k = static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), values.begin() + k, values.end());
-  return values[static_cast<std::size_t>(k)];
 }
 
 }  // namespace
@@ -153,8 +148,8 @@ std::vector<PredictionError> prediction_errors(const formats::FitResult& fit,
       if (sizes.empty()) continue;
       error.points = sizes.size();
       error.mean /= static_cast<double>(sizes.size());
-      error.median_abs = quantile(sizes, 0.5);
-      error.p90_abs = quantile(sizes, 0.9);
+      error.median_abs = formats::median(sizes);
+      error.p90_abs = formats::quantile(sizes, 0.9);
       errors.push_back(error);
     }
   }

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <random>
 
+#include "host/formats/order_statistics.hpp"
 #include "host/invert/parallel.hpp"
 #include "host/optics/angles.hpp"
 
@@ -35,9 +36,7 @@ double peak_width(const std::vector<std::pair<double, double>>& row, double thet
   if (row.size() < 8) return 0;
   std::vector<double> values;
   for (const auto& [angle, value] : row) values.push_back(value);
-  std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2),
-                   values.end());
-  const double base = std::max(values[values.size() / 2], 0.0);
+  const double base = std::max(formats::median(std::move(values)), 0.0);
   std::size_t top = row.size();
   for (std::size_t i = 0; i < row.size(); ++i) {
     if (std::abs(row[i].first - theta_i) > optics::radians(25)) continue;
@@ -129,9 +128,7 @@ double lobe_slope(const Observations& data) {
     }
   }
   if (slopes.empty()) return no_lobe_slope;
-  std::nth_element(slopes.begin(), slopes.begin() + static_cast<long>(slopes.size() / 2),
-                   slopes.end());
-  return slopes[slopes.size() / 2];
+  return formats::median(std::move(slopes));
 }
 
 std::vector<bool> linear_parameters(const Layout& layout, const Observations& data) {

@@ -1,7 +1,5 @@
 #include "host/scan/record_scale.hpp"
 
-#include <cmath>
-
 namespace umov::scan {
 
 formats::ScanRecord scaled(const protocol::Record& record, const PlanRow& row,
@@ -27,8 +25,8 @@ formats::ScanRecord scaled(const protocol::Record& record, const PlanRow& row,
   scan.y_v = signal_scale * static_cast<double>(record.signal_y);
   scan.x_se_v = signal_scale * static_cast<double>(record.signal_x_se);
   scan.y_se_v = signal_scale * static_cast<double>(record.signal_y_se);
-  scan.monitor_v = monitor_scale * std::hypot(static_cast<double>(record.monitor_x),
-                                              static_cast<double>(record.monitor_y));
+  // The projection, not the modulus: noise must average out where there is hardly any light.
+  scan.monitor_v = monitor_scale * static_cast<double>(record.monitor_x);
   scan.saturated = record.saturated > 0;
   scan.shutter_open = record.shutter_open != 0;
   return scan;

@@ -1,5 +1,6 @@
 #include "host/scan/runner.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -14,9 +15,12 @@
 #include "host/formats/journal.hpp"
 #include "host/formats/scan_h5.hpp"
 #include "host/instrument/link_lost.hpp"
+#include "host/instrument/program_control.hpp"
 #include "host/instrument/program_stream.hpp"
 #include "host/instrument/refusals.hpp"
 #include "host/instrument/session.hpp"
+#include "host/scan/preparation.hpp"
+#include "host/scan/program_rows.hpp"
 #include "host/scan/record_scale.hpp"
 
 namespace umov::scan {
@@ -25,8 +29,6 @@ namespace {
 using instrument::LinkLost;
 using instrument::ProgramStream;
 using instrument::Session;
-
-constexpr std::uint8_t all_axes = 0x3f;
 
 /// The clock of a scan: which boot of the controller it began in and when.
 struct TimeBase {
@@ -39,68 +41,25 @@ std::string name_text(const protocol::Name& name) {
   return text.substr(0, text.find('\0'));
 }
 
-std::int32_t microdegrees(double deg) {
-  return std::isnan(deg) ? protocol::open_position
-                         : static_cast<std::int32_t>(std::lround(1e6 * deg));
-}
-
-int gain_range(const protocol::HelloReply& device, int gain) {
-  for (std::size_t i = 0; i < device.gains.size(); ++i) {
-    if (device.gains[i] == gain) return static_cast<int>(i);
-  }
-  throw Error(fmt::format("the controller has no amplifier range {}", gain),
-              fmt::format("use gain = \"auto\" or one of {}, {}, {}, {}", device.gains[0],
-                          device.gains[1], device.gains[2], device.gains[3]));
-}
-
-std::uint8_t laser_of(const protocol::HelloReply& device, double wavelength_nm) {
-  for (std::size_t i = 0; i < device.wavelengths_nm.size(); ++i) {
-    if (device.wavelengths_nm[i] == wavelength_nm) return static_cast<std::uint8_t>(i + 1);
-  }
-  throw Error(fmt::format("the instrument has no laser of {:g} nm", wavelength_nm),
-              fmt::format("use wavelengths_nm out of {}, {}, {}", device.wavelengths_nm[0],
-                          device.wavelengths_nm[1], device.wavelengths_nm[2]));
-}
-
-std::int32_t filter_position_udeg(const protocol::HelloReply& device, double optical_density) {
-  for (std::size_t i = 0; i < device.filter_od_milli.size(); ++i) {
-    if (device.filter_od_milli[i] == std::lround(1000 * optical_density)) {
-      return static_cast<std::int32_t>(i) * 60'000'000;
-    }
-  }
-  throw Error(fmt::format("the filter wheel has no optical density {:g}", optical_density),
-              "use one of the densities that `umov device info` lists");
-}
-
-/// A plan's row in the units of the controller.
-protocol::ProgramRow to_device(const PlanRow& row, std::uint32_t index,
-                               const protocol::HelloReply& device) {
-  protocol::ProgramRow out;
-  out.index = index;
-  out.target_udeg = {
-      microdegrees(row.theta_i_deg),  microdegrees(row.theta_r_deg),
-      microdegrees(row.phi_r_deg),    microdegrees(row.polarizer_deg),
-      microdegrees(row.analyzer_deg), filter_position_udeg(device, row.optical_density)};
-  out.laser = laser_of(device, row.wavelength_nm);
-  out.shutter_open = row.shutter_open ? 1 : 0;
-  out.gain = row.gain == gain_auto ? protocol::gain_auto
-                                   : static_cast<std::uint8_t>(gain_range(device, row.gain));
-  out.dwell_ms = static_cast<std::uint16_t>(row.dwell_ms);
-  return out;
-}
-
 /// Records on their way to the journal.
 class JournalSink : public instrument::RecordSink {
  public:
-  JournalSink(formats::JournalWriter& journal, const std::vector<PlanRow>& rows)
-      : journal_(&journal), rows_(&rows) {}
+  /// `base` is the clock of the records so far, the last of them at `last_time_s`.
+  JournalSink(formats::JournalWriter& journal, const std::vector<PlanRow>& rows,
+              const TimeBase& base, double last_time_s)
+      : journal_(&journal), rows_(&rows), base_(base), last_time_s_(last_time_s) {}
 
-  void connect(const protocol::HelloReply& device, double start_us) {
-    device_ = device;
-    start_us_ = start_us;
-  }
+  /// Records come from this controller from now on.
+  void connect(const protocol::HelloReply& device) { device_ = device; }
   void take(const protocol::Record& record) override {
-    pending_.push_back(scaled(record, rows_->at(record.index), device_, start_us_));
+    const PlanRow& row = rows_->at(record.index);
+    const auto time_us = static_cast<double>(record.time_us);
+    if (device_.boot_id != base_.boot_id || time_us - base_.start_us < 1e6 * last_time_s_) {
+      // The controller was restarted and began its time anew: go on a dwell after the last record.
+      const double time_s = last_time_s_ + 1e-3 * row.dwell_ms;
+      base_ = {device_.boot_id, time_us - 1e6 * time_s};
+    }
+    pending_.push_back(scaled(record, row, device_, base_.start_us));
     last_time_s_ = pending_.back().time_s;
   }
   void secure() override {
@@ -108,17 +67,20 @@ class JournalSink : public instrument::RecordSink {
     journal_->sync();
     pending_.clear();
   }
-  double last_time_s() const { return last_time_s_; }
-  void set_last_time_s(double time_s) { last_time_s_ = time_s; }
 
  private:
   formats::JournalWriter* journal_;
   const std::vector<PlanRow>* rows_;
   protocol::HelloReply device_{};
-  double start_us_ = 0;
+  TimeBase base_;
   double last_time_s_ = 0;
   std::vector<formats::ScanRecord> pending_;
 };
+
+/// What tells one instrument from another: name and serial number.
+std::string device_key(const protocol::HelloReply& device) {
+  return fmt::format("{} {}", name_text(device.device_name), name_text(device.serial));
+}
 
 std::string settings_text(const TimeBase& base, const Plan& plan,
                           const protocol::HelloReply& device) {
@@ -156,14 +118,13 @@ formats::JournalHeader header_for(const Plan& plan, const Program& program,
     }
     header.keys.emplace_back(key, value);
   };
-  set("device", fmt::format("{} {}", name_text(device.device_name), name_text(device.serial)));
+  set("device", device_key(device));
   set("adc_step_v", fmt::format("{:.6g}", adc_step_v));
   set("adc_full_scale_v", fmt::format("{:.6g}", adc_step_v * device.adc_codes / 2));
   header.provenance.program = options.program;
   header.provenance.command = options.command;
   header.provenance.created = formats::utc_now();
-  header.provenance.device = fmt::format("{} {} at {}", name_text(device.device_name),
-                                         name_text(device.serial), session.name());
+  header.provenance.device = fmt::format("{} at {}", device_key(device), session.name());
   header.provenance.firmware_hash = fmt::format("{:016x}", device.firmware_hash);
   header.provenance.role = plan.role;
   header.provenance.plan = plan.text;
@@ -225,6 +186,9 @@ class Runner {
                     "resume with that plan, or start over with --force");
       }
       base_ = time_base_of(found.header.provenance);
+      for (const auto& [key, value] : found.header.keys) {
+        if (key == "device") begun_on_ = value;
+      }
       next_ = static_cast<std::uint32_t>(found.next_index());
       summary_.resumed_from = next_;
       if (!found.records.empty()) last_time_s_ = found.records.back().time_s;
@@ -246,28 +210,35 @@ class Runner {
     protocol::HelloReply device;
     int tries_left = options_.reconnects;
     auto wait = options_.reconnect_wait;
+    const PreparationOptions preparation{.program_id = id_,
+                                         .discard_records = options_.overwrite,
+                                         .wanted = [this] { return wanted(); },
+                                         .note =
+                                             [this](const std::string& what) {
+                                               if (options_.progress)
+                                                 options_.progress({next_, summary_.total, what});
+                                             }};
     for (;;) {
       try {
         Session session(connect(stream.has_value()));
         device = session.device();
-        if (!stream) check_against_device(session);
-        prepare(session);
+        refuse_another_instrument(device, session.name());
+        if (!stream) check_against_device(plan_, program_, session);
+        if (!prepare_controller(session, plan_, preparation)) return;
         if (stream) {
           ++summary_.lost_links;
         } else {
           start_journal(session);
-          sink.emplace(*writer_, program_.rows);
-          sink->set_last_time_s(last_time_s_);
+          sink.emplace(*writer_, program_.rows, base_, last_time_s_);
           stream.emplace(
               instrument::ProgramOptions{
                   .program_id = id_, .row_count = summary_.total, .first_missing = next_},
               [&](std::uint32_t index) {
-                return to_device(program_.rows.at(index), index, device);
+                return program_row(program_.rows.at(index), index, device);
               },
               *sink);
         }
-        rebase(session, sink->last_time_s());
-        sink->connect(device, base_.start_us);
+        sink->connect(device);
         const auto before = stream->next_index();
         summary_.complete = stream->run(session, [&](const ProgramStream& now) {
           if (now.next_index() > before) {
@@ -279,7 +250,8 @@ class Runner {
         });
         return;
       } catch (const LinkLost&) {
-        if (!stream || tries_left-- == 0 || !wanted()) {
+        if (!wanted()) return;
+        if (!stream || tries_left-- == 0) {
           finish_file();
           throw;
         }
@@ -288,31 +260,30 @@ class Runner {
         throw;
       }
       if (options_.progress) options_.progress({next_, summary_.total, "link lost, trying again"});
-      std::this_thread::sleep_for(wait);
+      if (!sleep_while_wanted(wait)) return;
       wait *= 2;
     }
   }
 
-  /// Refuses a plan that this instrument can't do before anything moves or is written.
-  void check_against_device(Session& session) {
-    std::array<protocol::AxisInfo, protocol::axis_count> axes;
-    for (std::uint8_t axis = 0; axis < protocol::axis_count; ++axis) {
-      axes[axis] = session.request(protocol::GetAxis{axis});
+  /// False when the scan was called off meanwhile.
+  bool sleep_while_wanted(std::chrono::milliseconds duration) const {
+    constexpr std::chrono::milliseconds slice{50};
+    for (; wanted() && duration.count() > 0; duration -= slice) {
+      std::this_thread::sleep_for(std::min(duration, slice));
     }
-    for (std::uint32_t index = 0; index < summary_.total; ++index) {
-      const auto row = to_device(program_.rows[index], index, session.device());
-      for (std::size_t axis = 0; axis < axes.size(); ++axis) {
-        const auto target = row.target_udeg[axis];
-        if (target == protocol::open_position) continue;
-        if (target >= axes[axis].min_udeg && target <= axes[axis].max_udeg) continue;
-        throw Error(
-            {plan_.name},
-            fmt::format("row {} asks the {} axis for {:g} degrees; its limits are {:g} to {:g}",
-                        index, instrument::axis_name(static_cast<int>(axis)), 1e-6 * target,
-                        1e-6 * axes[axis].min_udeg, 1e-6 * axes[axis].max_udeg),
-            "change the plan, or the axis' limits with umov device config");
-      }
-    }
+    return wanted();
+  }
+
+  /// Half a scan of one sample and half of another would look like one. The emulator's serial
+  /// number stands for what is on its stage.
+  void refuse_another_instrument(const protocol::HelloReply& device, const std::string& name) {
+    const std::string found = device_key(device);
+    if (begun_on_.empty()) begun_on_ = found;
+    if (found == begun_on_) return;
+    throw Error({name},
+                fmt::format("the unfinished scan was begun on {}, this is {}", begun_on_, found),
+                "go on with the same instrument (the emulator: the same sample, preset, plant "
+                "settings and seed), or start over with --force");
   }
 
   /// While a lost link is taken up again, a controller that can't be reached is still a lost link.
@@ -327,75 +298,6 @@ class Runner {
 
   bool wanted() const { return !options_.keep_going || options_.keep_going(); }
 
-  /// Brings an idle controller into the state that the program needs; leaves a running one alone.
-  void prepare(Session& session) {
-    const auto status = session.request(protocol::GetStatus{});
-    if (status.program_id == id_ &&
-        status.state != static_cast<std::uint8_t>(protocol::State::idle))
-      return;
-    if (status.fault == static_cast<std::uint8_t>(protocol::Fault::link_lost)) {
-      clear_link_lost(session);
-    } else if (status.fault != 0) {
-      throw instrument::Faulted(session.name(), status.fault, "before the scan began");
-    }
-    if (status.program_id != 0 && status.program_id != id_) release_other_program(session, status);
-    if (status.homed_mask != all_axes)
-      home(session, static_cast<std::uint8_t>(all_axes & ~status.homed_mask));
-    protocol::SetLockin lockin;
-    lockin.reference_mhz = static_cast<std::uint32_t>(std::lround(1000 * plan_.reference_hz));
-    lockin.harmonic = 1;
-    lockin.settle_ms = static_cast<std::uint16_t>(plan_.settle_ms);
-    lockin.blocks = 10;
-    session.request(lockin);
-  }
-
-  void release_other_program(Session& session, const protocol::Status& status) {
-    if (status.first_unacknowledged < status.next_record && !options_.overwrite) {
-      throw Error({session.name()},
-                  fmt::format("the controller still holds {} records of another scan",
-                              status.next_record - status.first_unacknowledged),
-                  "finish that scan with --resume, or discard them with --force");
-    }
-    // A program that ran to its end needs no ending.
-    if (status.state != static_cast<std::uint8_t>(protocol::State::idle)) {
-      session.request(protocol::ProgramControl{2});
-    }
-  }
-
-  /// The fault that an earlier host's silence left; refused while the axes still come to rest.
-  void clear_link_lost(Session& session) {
-    for (int tries_left = 100;; --tries_left) {
-      try {
-        session.request(
-            protocol::ClearFault{static_cast<std::uint8_t>(protocol::Fault::link_lost)});
-        return;
-      } catch (const instrument::Refused& refused) {
-        if (refused.refusal() != protocol::Refusal::busy || tries_left == 0) throw;
-      }
-      session.poll(std::chrono::milliseconds(50));
-    }
-  }
-
-  void home(Session& session, std::uint8_t mask) {
-    session.request(protocol::Home{mask});
-    for (;;) {
-      session.poll(std::chrono::milliseconds(50));
-      while (session.next_event()) {
-      }
-      const auto status = session.request(protocol::GetStatus{});
-      if (status.fault != 0)
-        throw instrument::Faulted(session.name(), status.fault, "while homing");
-      if (status.homed_mask == all_axes &&
-          status.state == static_cast<std::uint8_t>(protocol::State::idle))
-        return;
-      if (options_.progress) options_.progress({next_, summary_.total, "homing"});
-      if (!wanted()) {
-        session.request(protocol::Stop{});
-        throw Error("stopped while homing", "nothing was measured; start again");
-      }
-    }
-  }
-
   void start_journal(Session& session) {
     const auto now = session.request(protocol::GetStatus{});
     if (writer_) return;
@@ -403,13 +305,6 @@ class Runner {
     if (options_.overwrite) std::filesystem::remove(journal_path(options_.output));
     writer_ = formats::JournalWriter::create(journal_path(options_.output),
                                              header_for(plan_, program_, options_, session, base_));
-  }
-
-  /// A controller that was restarted began its time anew: go on where the last record was.
-  void rebase(Session& session, double last_time_s) {
-    if (session.device().boot_id == base_.boot_id) return;
-    const auto now = session.request(protocol::GetStatus{});
-    base_ = {session.device().boot_id, static_cast<double>(now.time_us) - 1e6 * last_time_s};
   }
 
   void report(std::uint32_t done) {
@@ -430,6 +325,7 @@ class Runner {
     writer_.reset();
     const auto journal_file = journal_path(options_.output);
     const auto journal = formats::read_journal(journal_file);
+    if (journal.records.empty()) return;  // a file without a measurement would be none
     const auto table = formats::build_scan_table(journal);
     formats::write_scan_h5(options_.output, table, journal.header.provenance);
     summary_.records = static_cast<std::uint32_t>(table.size());
@@ -445,6 +341,7 @@ class Runner {
   std::uint32_t id_;
   std::optional<formats::JournalWriter> writer_;
   TimeBase base_;
+  std::string begun_on_;  ///< device key of the scan; empty before the first connection
   std::uint32_t next_ = 0;
   double last_time_s_ = 0;
   RunSummary summary_;

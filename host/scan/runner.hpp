@@ -36,21 +36,23 @@ struct RunOptions {
 
 struct RunSummary {
   bool complete = false;
-  std::uint32_t records = 0;        ///< in the file
-  std::uint32_t total = 0;          ///< rows of the plan
-  std::uint32_t resumed_from = 0;   ///< records that were there before
-  int lost_links = 0;               ///< that were taken up again
-  std::uint64_t saturated = 0;      ///< records with clipped samples
-  double instrument_time_s = 0;     ///< time of the last record
+  std::uint32_t records = 0;       ///< in the file
+  std::uint32_t total = 0;         ///< rows of the plan
+  std::uint32_t resumed_from = 0;  ///< records that were there before
+  int lost_links = 0;              ///< that were taken up again
+  std::uint64_t saturated = 0;     ///< records with clipped samples
+  double instrument_time_s = 0;    ///< time of the last record
 };
 
 /// Path of the journal that belongs to a scan file.
 std::filesystem::path journal_path(const std::filesystem::path& output);
 
 /// Measures every row of the plan once and writes `output`. When stopped early (keep_going, a
-/// fault, a link that stays lost) `output` holds what was measured so far and the journal stays,
-/// so that a run with `resume` finishes it.
-/// Throws umov::Error: output exists, journal of another plan, plan the device can't do, fault.
+/// fault, a link that stays lost) `output` holds what was measured so far (no file when that is
+/// nothing) and the journal stays, so that a run with `resume` finishes it. keep_going is obeyed
+/// while homing and while a lost link is retried, too; then `complete` is false.
+/// Throws umov::Error: output exists, journal of another plan or instrument, plan the device can't
+/// do, fault.
 RunSummary run_scan(const Plan& plan, const RunOptions& options);
 
 }  // namespace umov::scan

@@ -28,6 +28,19 @@ class BadInput(UmovCase):
             self.refused("reduce", "cut.h5", "-o", "keep.h5", says=["cut.h5"])
             self.assertEqual((self.folder / "keep.h5").read_bytes(), b"earlier work")
 
+    def test_raw_data_and_inputs_are_never_overwritten(self):
+        self.write("plan.toml", PLAN)
+        self.must("scan", "plan.toml", "-o", "scan.h5")
+        self.must("scan", "plan.toml", "-o", "other.h5")
+        self.must("export", "other.h5", "--format", "csv", "-o", "other.csv")
+        before = {name: (self.folder / name).read_bytes() for name in ("scan.h5", "other.h5", "other.csv")}
+        for target in before:
+            for command in (["reduce", "scan.h5"], ["calibrate", "scan.h5"], ["report", "scan.h5"]):
+                with self.subTest(f"{command[0]} onto {target}"):
+                    self.refused(*command, "-o", target, says=[target])
+        for name, content in before.items():
+            self.assertEqual((self.folder / name).read_bytes(), content)
+
     def test_a_flipped_bit_in_the_data_is_noticed(self):
         self.write("plan.toml", PLAN)
         self.must("scan", "plan.toml", "-o", "scan.h5")

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import unittest
 
 from umov_case import UmovCase
@@ -48,6 +49,8 @@ class OneWayToAModel(UmovCase):
             subsurface = fit["parameters"]["k_uds"][i]
             self.assertLess(subsurface["lo"], subsurface["value"])
             self.assertLess(subsurface["value"], subsurface["hi"])
+            reflectance = next(d for d in fit["dhr"] if (d["wavelength_nm"], d["theta_i_deg"]) == ((532, 633, 814)[i], 0))
+            self.assertAlmostEqual(reflectance["value"] / self.true_dhr(truth, i), 1.0, delta=0.01)
             # First-surface and subsurface uniform light are hard to tell apart; their sum is not.
             total = subsurface["value"] + fit["parameters"]["k_udf"][i]["value"]
             expected = truth["k_uds"]["value"][i] + truth["k_udf"]["value"][i]
@@ -72,8 +75,18 @@ class OneWayToAModel(UmovCase):
         self.assertTrue(0 < mirror[0][1] < 0.05 and math.isfinite(mirror[0][1]))
 
         page = (self.folder / "report.html").read_text()
-        self.assertIn("red", page)
-        self.assertNotIn("http-equiv=\"refresh\"", page)
+        embedded = re.search(r'<script type="application/json" id="umov-data">(.*?)</script>', page, re.S).group(1)
+        samples = json.loads(embedded)["samples"]
+        self.assertEqual([sample["name"] for sample in samples], ["red-gloss"])
+        self.assertEqual(samples[0]["fit"]["model"], "li-torrance")
+
+    def true_dhr(self, truth, wavelength_index):
+        settings = []
+        for name in ("n", "kappa", "sigma_um", "tau_um", "k_dd", "k_udf", "k_uds", "k_fs"):
+            settings += ["--set", f"{name}={truth[name]['value'][wavelength_index]}"]
+        done = self.must("model", "dhr", "li-torrance", *settings, "--wavelength-nm", (532, 633, 814)[wavelength_index],
+                         "--theta-i", 0, "--json")
+        return json.loads(done.stdout)["dhr"]
 
     def test_csv_export_and_import_give_the_same_scan(self):
         self.write("paint.toml", PAINT.replace("step = 4", "step = 38"))

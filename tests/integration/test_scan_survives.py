@@ -71,10 +71,19 @@ class ScanSurvives(UmovCase):
         self.must("export", file, "--format", "csv", "-o", "out.csv", "--force")
         with open(self.folder / "out.csv", encoding="utf-8") as stream:
             rows = [line for line in stream if not line.startswith("#")]
-        return [int(row["index"]) for row in csv.DictReader(rows)]
+        return list(csv.DictReader(rows))
+
+    def indices(self, file):
+        return [int(row["index"]) for row in self.records(file)]
 
     def expect_whole(self, file="scan.h5"):
-        self.assertEqual(self.records(file), list(range(ROWS)))
+        rows = self.records(file)
+        self.assertEqual([int(row["index"]) for row in rows], list(range(ROWS)))
+        times = [float(row["time_s"]) for row in rows]
+        back = [i for i in range(1, ROWS) if times[i] < times[i - 1]]
+        self.assertEqual(back, [], "time goes backwards at these rows")
+        with open(self.folder / "out.csv", encoding="utf-8") as stream:
+            self.assertIn("# sample: red gloss\n", stream.readlines())
 
     def wait_for_journal(self, process, bytes_at_least):
         deadline = time.monotonic() + 30
@@ -111,7 +120,7 @@ class ScanSurvives(UmovCase):
         _, message = scan.communicate(timeout=20)
         self.assertEqual(scan.returncode, 130, message)
         self.assertIn("--resume", message)
-        part = self.records("scan.h5")
+        part = self.indices("scan.h5")
         self.assertEqual(part, list(range(len(part))))
         self.assertTrue(0 < len(part) < ROWS)
         self.must("scan", "plan.toml", "-o", "scan.h5", "--resume")
@@ -139,6 +148,83 @@ class ScanSurvives(UmovCase):
         _, device = self.emulator("--sample", "red-gloss")
         self.must("scan", "plan.toml", "-o", "scan.h5", "--device", device, "--resume")
         self.expect_whole()
+
+    def test_resume_on_another_sample_is_refused(self):
+        options = ("scan", "plan.toml", "-o", "scan.h5", "--sample")
+        scan = self.start(*options, "red-gloss")
+        self.wait_for_journal(scan, 10_000)
+        scan.kill()
+        scan.wait()
+        journal = (self.folder / "scan.h5.journal").read_bytes()
+        self.refused(*options, "white-99", "--resume", says=["begun on", "same instrument"])
+        self.refused(*options, "red-gloss", "--seed", "2", "--resume", says=["begun on"])
+        self.assertEqual((self.folder / "scan.h5.journal").read_bytes()[:len(journal)], journal)
+        self.must(*options, "red-gloss", "--resume")
+        self.expect_whole()
+
+    def test_force_takes_over_a_controller_that_runs_another_program(self):
+        _, device = self.emulator("--sample", "red-gloss")
+        scan = self.start("scan", "plan.toml", "-o", "scan.h5", "--device", device)
+        self.wait_for_journal(scan, 20_000)
+        scan.kill()
+        scan.wait()
+        self.write("small.toml", PLAN.replace("step = 1", "step = 30"))
+        self.must("scan", "small.toml", "-o", "small.h5", "--device", device, "--force")
+        self.assertEqual(self.indices("small.h5"), list(range(2 * 2 * 5 * 2)))
+
+    def test_ctrl_c_while_a_lost_link_is_retried_ends_as_interrupted(self):
+        emulator, device = self.emulator("--sample", "red-gloss")
+        scan = self.start("scan", "plan.toml", "-o", "scan.h5", "--device", device)
+        self.wait_for_journal(scan, 20_000)
+        emulator.kill()
+        emulator.wait()
+        time.sleep(1.5)
+        scan.send_signal(signal.SIGINT)
+        _, message = scan.communicate(timeout=10)
+        self.assertEqual(scan.returncode, 130, message)
+        self.assertIn(f"--device {device} --resume", message)
+        self.assertTrue(0 < len(self.records("scan.h5")) < ROWS)
+
+    def test_ctrl_c_while_homing_leaves_nothing_and_says_so(self):
+        _, device = self.emulator("--sample", "red-gloss", "--real-time")
+        scan = self.start("scan", "plan.toml", "-o", "scan.h5", "--device", device)
+        time.sleep(1.5)  # homing takes much longer
+        scan.send_signal(signal.SIGINT)
+        _, message = scan.communicate(timeout=10)
+        self.assertEqual(scan.returncode, 130, message)
+        self.assertIn("before anything was measured", message)
+        self.assertEqual([path.name for path in self.folder.glob("scan*")], [])
+
+    def test_a_paused_scan_lets_an_axis_be_moved_and_goes_on(self):
+        _, device = self.emulator("--sample", "red-gloss")
+        scan = self.start("scan", "plan.toml", "-o", "scan.h5", "--device", device)
+        self.wait_for_journal(scan, 20_000)
+        scan.send_signal(signal.SIGINT)
+        _, message = scan.communicate(timeout=20)
+        self.assertEqual(scan.returncode, 130, message)
+        time.sleep(3.5)  # longer than the controller waits for a host while it moves or shines
+        self.assertIn("state paused, fault none", self.must("device", "info", "--device", device).stdout)
+        self.must("device", "home", "azimuth", "--device", device, timeout=20)
+        moved = self.must("device", "jog", "detector", "12", "--device", device, timeout=20)
+        self.assertIn("detector 12.0000", moved.stdout)
+        self.must("scan", "plan.toml", "-o", "scan.h5", "--device", device, "--resume")
+        self.expect_whole()
+
+    def test_the_fault_that_a_killed_scan_leaves_is_cleared_and_named(self):
+        _, device = self.emulator("--sample", "red-gloss")
+        scan = self.start("scan", "plan.toml", "-o", "scan.h5", "--device", device)
+        self.wait_for_journal(scan, 20_000)
+        scan.kill()
+        scan.wait()
+        time.sleep(3.5)
+        self.assertIn("cleared link_lost", self.must("device", "log", "--clear", "--device", device).stdout)
+        self.assertIn("fault none", self.must("device", "info", "--device", device).stdout)
+
+    def test_numbers_for_the_controller_are_read_whole_and_in_range(self):
+        for setting in ("max_deg=4300", "max_deg=85abc", "max_deg=nan", "speed_deg_s=-1", "max_deg"):
+            self.refused("device", "config", "detector", setting, says=[setting.split("=")[-1]])
+        for angle in ("nan", "inf", "12x", "2147.483648"):
+            self.refused("device", "jog", "detector", angle, says=["angle"])
 
     def test_resume_with_another_plan_is_refused(self):
         scan = self.start("scan", "plan.toml", "-o", "scan.h5")

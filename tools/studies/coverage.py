@@ -92,13 +92,13 @@ def truth():
 
 
 def model_dhr(parameters, wavelength_index):
-    """Reflectance of the true parameters at 30 degrees, by the program's own integration."""
+    """Reflectance of the true parameters at 30 degrees, mirror part included as in fit.json, by the program's own integration."""
     settings = []
     for name in ("n", "kappa", "sigma_um", "tau_um", "k_dd", "k_udf", "k_uds", "k_fs"):
         settings += ["--set", f"{name}={parameters[name]['value'][wavelength_index]:.17g}"]
     wavelength = (532, 633, 814)[wavelength_index]
     out = umov("model", "dhr", "li-torrance", *settings, "--wavelength-nm", wavelength, "--theta-i", 30, "--json")
-    return json.loads(out)["dhr"]
+    return json.loads(out)["total"]
 
 
 def one_seed(seed, folder, paint, plant, calibration):

@@ -25,7 +25,6 @@ class OpticsOutputs {
     shutter_open_ = false;
     laser_ = protocol::laser_none;
   }
-  void close_shutter() { set_shutter(false); }
   /// laser 1 to 3, 0 = none. True if something changed (also below).
   bool set_laser(std::uint8_t laser) {
     if (laser == laser_) return false;

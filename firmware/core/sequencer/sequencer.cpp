@@ -38,7 +38,7 @@ void Sequencer::pause() {
   if (!running()) return;
   suspend();
   motion_->stop_all();
-  outputs_->close_shutter();
+  outputs_->cut_light();
 }
 
 void Sequencer::suspend() {

@@ -35,7 +35,8 @@ class Sequencer {
   /// Whether `program` is the one that is active, as it was begun.
   bool is_same(const protocol::ProgramBegin& program) const;
 
-  /// Halts at the row in progress, which will be measured again; closes the shutter.
+  /// Halts at the row in progress, which will be measured again. Dark until it is resumed: a host
+  /// may pause and go away. The row then waits for the laser to settle like after any change.
   void pause();
   void resume();
   /// Ends the program; records not yet acknowledged are kept.

@@ -3,8 +3,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
-#include <deque>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <utility>
 
 #include "hil/plant/parameter_list.hpp"
@@ -48,6 +52,21 @@ std::uint32_t fresh_boot_id() {
   return static_cast<std::uint32_t>(us) ^ (static_cast<std::uint32_t>(getpid()) << 16U);
 }
 
+void mix(std::uint32_t& hash, const std::string& text) {
+  // FNV-1a; the length before the text keeps "ab" + "c" apart from "a" + "bc".
+  for (const char c : std::to_string(text.size()) + ':' + text) {
+    hash = (hash ^ static_cast<unsigned char>(c)) * 16777619u;
+  }
+}
+
+/// Contents of a file, empty when there is none of that name.
+std::string text_of_file(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return {};
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
 class EmbeddedTransport : public instrument::Transport {
  public:
   explicit EmbeddedTransport(const BenchOptions& options) : instrument_(options) {}
@@ -80,6 +99,18 @@ class EmbeddedTransport : public instrument::Transport {
 
 }  // namespace
 
+std::string bench_serial(const BenchOptions& options) {
+  std::uint32_t hash = 2166136261u;
+  mix(hash, options.sample);
+  mix(hash, text_of_file(options.sample));
+  mix(hash, options.plant_file.empty() ? options.preset : text_of_file(options.plant_file));
+  for (const auto& setting : options.settings) mix(hash, setting);
+  mix(hash, std::to_string(options.seed));
+  std::array<char, 16> serial{};
+  std::snprintf(serial.data(), serial.size(), "EMU-%08x", static_cast<unsigned>(hash));
+  return serial.data();
+}
+
 EmulatedInstrument::EmulatedInstrument(const BenchOptions& options,
                                        std::function<std::uint64_t()> link_time_us) {
   plant::PlantSetup setup;
@@ -91,6 +122,7 @@ EmulatedInstrument::EmulatedInstrument(const BenchOptions& options,
   plant_ = std::make_unique<plant::Plant>(std::move(setup));
   wiring_ = std::make_unique<Wiring>(*plant_);
   boards::native::NativeBoardOptions board;
+  board.serial = bench_serial(options);
   board.boot_id = fresh_boot_id();
   board.link_time_us = std::move(link_time_us);
   board_ = std::make_unique<boards::native::NativeBoard>(*wiring_, std::move(board));

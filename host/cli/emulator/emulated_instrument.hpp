@@ -24,6 +24,11 @@ struct BenchOptions {
   std::uint64_t seed = 1;             ///< of all its randomness
 };
 
+/// Serial number of the emulated instrument, "EMU-" and 8 hex digits: the same for every start with
+/// the same options (and file contents), another one for another bench, sample or seed. A scan is
+/// resumed only on the instrument it was begun on.
+std::string bench_serial(const BenchOptions& options);
+
 /// Board and plant together. Owns both; not thread-safe.
 class EmulatedInstrument {
  public:
@@ -49,8 +54,8 @@ struct ServeOptions {
   std::uint16_t port = 5025;  ///< 0 = any free one
   std::string address = "127.0.0.1";
   bool real_time = false;  ///< virtual time follows the wall clock instead of running ahead
-  std::function<void(std::uint16_t port)> on_listening;       ///< may be empty
-  std::function<void(const std::string& event)> on_event;     ///< may be empty
+  std::function<void(std::uint16_t port)> on_listening;    ///< may be empty
+  std::function<void(const std::string& event)> on_event;  ///< may be empty
 };
 
 /// Serves an instrument on TCP, one host at a time, until `keep_going` says no. Program and records

@@ -158,7 +158,13 @@ TEST(Calibrate, DetectorBiasIsFoundWhereItExistsAndLeftOutWhereItDoesNot) {
 
   CalibrateOptions off;
   off.bias = CalibrateOptions::Bias::off;
-  EXPECT_FALSE(calibrate_one(make_white(biased, 0.99, plan, 5), off).wavelengths[0].bias_active);
+  const auto asserted = calibrate_one(make_white(biased, 0.99, plan, 5), off).wavelengths[0];
+  EXPECT_FALSE(asserted.bias_active);
+  EXPECT_EQ(asserted.detector_bias_u, 0);
+  const auto white = make_white(Instrument{}, 0.99, Plan{}, 5);
+  EXPECT_EQ(calibrate_one(white).wavelengths[0].detector_bias_u,
+            ReferenceStandard::from_keys(white).polarization_u())
+      << "one analyser state leaves what the standard's own polarisation may be";
   CalibrateOptions on;
   on.bias = CalibrateOptions::Bias::on;
   EXPECT_THROW(calibrate_one(make_white(biased, 0.99, Plan{}, 5), on), Error);
@@ -260,6 +266,10 @@ TEST(Calibrate, TheDetectorsShadowIsLeftOutAndPassedOnToTheReduction) {
   const Reduction reduction = reduce(sample, c);
   EXPECT_EQ(reduction.summary.in_shadow, 1U);
   EXPECT_NEAR(reduction.table.dhr.dhr.at(0), 0.4, 0.002);
+  EXPECT_TRUE(std::any_of(
+      reduction.summary.notes.begin(), reduction.summary.notes.end(), [](const std::string& note) {
+        return note.find("mirror direction lies in the shadow") != std::string::npos;
+      }));
 }
 
 TEST(Calibrate, OtherStandardsAreCheckedAgainstTheirStatedReflectance) {

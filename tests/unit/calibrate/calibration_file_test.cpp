@@ -72,6 +72,9 @@ TEST_F(CalibrationFile, ReducesExactlyAsTheCalibrationThatWasWritten) {
   ASSERT_EQ(a.points.size(), b.points.size());
   for (std::size_t i = 0; i < a.points.size(); ++i)
     EXPECT_NEAR(a.points.brdf_per_sr[i] / b.points.brdf_per_sr[i], 1, 1e-12);
+  EXPECT_EQ(before.ranges.covariance, after.ranges.covariance);
+  EXPECT_GT(after.ranges.covariance.rows(), 0);
+  EXPECT_EQ(before.wavelengths[0].gain_bias_lever, after.wavelengths[0].gain_bias_lever);
   ASSERT_EQ(a.factors.size(), b.factors.size());
   for (std::size_t k = 0; k < a.factors.size(); ++k) {
     EXPECT_EQ(a.factors[k].name, b.factors[k].name);

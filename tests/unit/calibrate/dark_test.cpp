@@ -134,6 +134,21 @@ TEST(GainRange, RatioIsFoundFromSignalsMeasuredInTwoRanges) {
   EXPECT_LT(chi2, 1.6);
 }
 
+TEST(GainRange, RangesComparedInAChainShareTheirErrors) {
+  RangeErrors errors;
+  errors.ranges = {{1, 0, 0, false}, {10, 0, 0, true}, {100, 0, 0, true}};
+  errors.covariance = Eigen::MatrixXd::Zero(3, 3);
+  // Range 10 against 1 with 1e-3, range 100 against 10 with 5e-4.
+  errors.covariance(1, 1) = errors.covariance(1, 2) = errors.covariance(2, 1) = 1e-6;
+  errors.covariance(2, 2) = 1e-6 + 2.5e-7;
+  const Eigen::MatrixXd shifts = errors.shifts();
+  EXPECT_NEAR((shifts * shifts.transpose() - errors.covariance).norm(), 0, 1e-18);
+  EXPECT_NEAR(shifts(2, 1), 1e-3, 1e-12) << "the lower step moves both";
+  EXPECT_NEAR(shifts(2, 2), 5e-4, 1e-12);
+  EXPECT_EQ(errors.number(100), 2);
+  EXPECT_EQ(errors.number(1000), -1);
+}
+
 TEST(GainRange, RangesWithoutOverlapStayNominalWithTheToleranceAsUncertainty) {
   Instrument instrument;
   const auto scan = make_scan(instrument, lambertian(0.9), Plan{}, 1);

@@ -43,6 +43,27 @@ TEST(Dhr, OfALambertianIsItsReflectance) {
   EXPECT_EQ(table.dhr.dhr.size(), 1U);
 }
 
+TEST(Dhr, AGapOfUnusablePointsAboutTheNormalIsBridgedWithAnUncertainty) {
+  for (double n : {0.0, 10.0, 300.0}) {
+    Plan plan;
+    plan.step = 2;
+    const auto lobe = depolarising(
+        [n](double t, double) { return 0.1 + 0.5 * std::pow(std::cos(t * degree), n); });
+    auto whole = table_of(lobe, plan);
+    auto table = whole;
+    for (std::size_t i = 0; i < table.points.size(); ++i)
+      if (std::abs(table.points.theta_r_deg[i]) < 4) table.points.used[i] = 0;
+    const double truth = add_dhr(whole).at(0).dhr;
+    EXPECT_EQ(add_dhr(whole).at(0).gap_deg, 0);
+    const DhrDetail detail = add_dhr(table).at(0);
+    // Nodes lie at odd or even angles, so the gap is as wide as the first used ones.
+    EXPECT_GT(detail.gap_deg, 3.9) << n;
+    EXPECT_LT(detail.gap_deg, 6.1) << n;
+    EXPECT_LT(std::abs(detail.dhr - truth), 2 * detail.gap_u + 1e-6) << n;
+    EXPECT_LT(detail.gap_u, 0.05 * truth) << n;
+  }
+}
+
 TEST(Dhr, OfACosinePowerLobeMatchesTheClosedForm) {
   // f = k cos^n: the integral is 2 pi k/(n + 2). n = 100 is a lobe of 8 degrees width.
   for (double n : {1.0, 10.0, 100.0}) {

@@ -139,13 +139,50 @@ TEST(Reduce, SaturatedRecordsAndAnglesBeyondTheStandardAreFlagged) {
   EXPECT_EQ(reduce(scan, calibration, options).summary.outside_instrument_function, 0U);
 }
 
-TEST(Reduce, SignalsBelowTheNoiseAreFlaggedButKept) {
+TEST(Reduce, SignalsBelowTheNoiseAreCountedAndUsedSoThatTheirMeanIsTrue) {
   Instrument instrument;
   const auto calibration = calibrate_one(make_white(instrument, 0.99, Plan{}, 1));
   const auto dim = make_scan(instrument, lambertian(1e-6), Plan{}, 2);
   const Reduction result = reduce(dim, calibration);
   EXPECT_EQ(result.summary.points, dim.size());
   EXPECT_GT(result.summary.below_noise, dim.size() / 2);
+  double sum = 0, weight = 0, negative = 0;
+  for (std::size_t i = 0; i < result.table.points.size(); ++i) {
+    const auto& points = result.table.points;
+    EXPECT_EQ(points.used[i], 1);
+    const double w = 1 / (points.brdf_u[i] * points.brdf_u[i]);
+    sum += w * points.brdf_per_sr[i];
+    weight += w;
+    negative += points.brdf_per_sr[i] < 0 ? 1 : 0;
+  }
+  EXPECT_GT(negative, 0);
+  EXPECT_NEAR(sum / weight, 1e-6 / std::numbers::pi, 4 / std::sqrt(weight));
+}
+
+TEST(Reduce, ABiasThatIsNotSignificantIsNoCertainZero) {
+  Instrument instrument;
+  Plan plan;
+  plan.states = {{0, 0}, {0, 90}, {90, 90}, {90, 0}};
+  const auto calibration = calibrate_one(make_white(instrument, 0.99, plan, 3));
+  const auto& entry = calibration.wavelengths[0];
+  ASSERT_FALSE(entry.bias_active);
+  EXPECT_NEAR(entry.gain_bias_lever, 0, 0.02) << "P and S weigh the same";
+  const auto table = reduce(make_scan(instrument, lambertian(0.5), plan, 4), calibration).table;
+  const auto* factor = factor_named(table, "detector bias 532 nm");
+  ASSERT_NE(factor, nullptr);
+  for (std::size_t i = 0; i < table.points.size(); ++i) {
+    const double lever = table.points.analyzer_deg[i] == 0 ? -1 : 1;
+    EXPECT_NEAR(factor->per_point[i] / table.points.brdf_per_sr[i],
+                -entry.detector_bias_u * (lever - entry.gain_bias_lever), 1e-12);
+  }
+  CalibrateOptions off;
+  off.bias = CalibrateOptions::Bias::off;
+  const auto white = make_white(instrument, 0.99, plan, 3);
+  const StandardScan standard{white, ReferenceStandard::from_keys(white), "white", ""};
+  const auto asserted = calibrate(std::span(&standard, 1), {}, off);
+  EXPECT_EQ(factor_named(reduce(make_scan(instrument, lambertian(0.5), plan, 4), asserted).table,
+                         "detector bias 532 nm"),
+            nullptr);
 }
 
 TEST(Reduce, DarkSignalOfTheScanItselfIsSubtracted) {

@@ -163,7 +163,49 @@ TEST(Safety, AStalledAxisMustBeHomedBeforeTheScanGoesOn) {
   EXPECT_EQ(bench.refusal_of(pr::ProgramControl{1}), pr::Refusal::none);
 }
 
-TEST(Safety, LatchesLinkLostOnlyWhileItMovesOrShinesByProgram) {
+TEST(Safety, LatchesLinkLostWhileItMovesOrHomesByHand) {
+  for (const Doing doing : {Doing::homing, Doing::moving}) {
+    SCOPED_TRACE(static_cast<int>(doing));
+    SmallWorld world;
+    Bench bench(world);
+    ASSERT_TRUE(bench.hello());
+    ASSERT_TRUE(bench.home_all());
+    // Slow enough to be under way still when the host has been silent for 3 s.
+    const auto axis = bench.ask(pr::GetAxis{detector});
+    ASSERT_TRUE(axis);
+    ASSERT_TRUE(bench.ask(pr::Move{detector, 80'000'000}));
+    ASSERT_TRUE(bench.wait_for(pr::State::idle, 60));
+    ASSERT_TRUE(
+        bench.ask(pr::SetAxis{detector, axis->min_udeg, axis->max_udeg, 2'000,
+                              axis->acceleration_mdeg_s2, axis->jerk_mdeg_s3, axis->take_up_udeg}));
+    if (doing == Doing::homing) {
+      ASSERT_TRUE(bench.ask(pr::Home{1u << detector}));
+    } else {
+      ASSERT_TRUE(bench.ask(pr::Move{detector, 0}));
+    }
+    const auto start = world.position;
+    bench.board.run_for(2'900'000);
+    EXPECT_NE(world.position, start);
+    bench.board.run_for(2'000'000);
+    const auto at_rest = world.position;
+    bench.board.run_for(2'000'000);
+    EXPECT_EQ(world.position, at_rest);
+    EXPECT_EQ(bench.fault(), pr::Fault::link_lost);
+  }
+}
+
+TEST(Safety, DoesNotAddLinkLostToAFaultThatBrakesTheAxes) {
+  SmallWorld world;
+  Bench bench(world);
+  set_going(bench, Doing::moving);
+  bench.board.signal_stall(detector);
+  bench.board.run_for(20'000'000);
+  EXPECT_EQ(bench.fault(), pr::Fault::stall);
+  ASSERT_TRUE(bench.ask(pr::ClearFault{static_cast<std::uint8_t>(pr::Fault::stall)}));
+  EXPECT_EQ(bench.fault(), pr::Fault::none);
+}
+
+TEST(Safety, LatchesLinkLostInAProgramButNotAtRest) {
   SmallWorld world;
   Bench bench(world);
   ASSERT_TRUE(bench.hello());

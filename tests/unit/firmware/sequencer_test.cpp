@@ -240,6 +240,34 @@ TEST_F(Scan, PausesAndResumesWithoutLosingOrDoublingARow) {
   host.expect_each_row_once();
 }
 
+TEST_F(Scan, APausedProgramIsDarkAndWaitsForItsHostWithoutAFault) {
+  ASSERT_TRUE(bench.ask(pr::SetLockin{1'000'000, 1, 0, 200, 10}));
+  ScanHost host(bench, 60);
+  ASSERT_TRUE(host.begin());
+  for (int i = 0; i < 2000 && host.taken.size() < 10; ++i) host.turn();
+  ASSERT_GE(host.taken.size(), 10u);
+  ASSERT_TRUE(world.lasers[0]);
+  ASSERT_TRUE(bench.ask(pr::ProgramControl{0}));
+  EXPECT_TRUE(world.dark());
+  const std::int64_t sum = host.taken.back().signal_x;
+  bench.board.run_for(10'000'000);  // of silence
+  EXPECT_EQ(bench.fault(), pr::Fault::none);
+  EXPECT_EQ(bench.state(), pr::State::paused);
+  const std::uint64_t resumed_at_us = bench.board.now_us();
+  ASSERT_TRUE(bench.ask(pr::ProgramControl{1}));
+  ASSERT_TRUE(host.run());
+  host.expect_each_row_once();
+  bool first = true;
+  for (const pr::Record& r : host.taken) {
+    EXPECT_NEAR(static_cast<double>(r.signal_x), static_cast<double>(sum),
+                1e-6 * std::abs(static_cast<double>(sum)));
+    if (r.time_us < resumed_at_us || !first) continue;
+    EXPECT_GE(r.time_us, resumed_at_us + 200'000);  // the light is new: it settles first
+    first = false;
+  }
+  EXPECT_FALSE(first);
+}
+
 TEST_F(Scan, KeepsUnacknowledgedRecordsOverAnAbort) {
   ASSERT_TRUE(bench.ask(pr::ProgramBegin{7, 0, 100}));
   for (std::uint32_t i = 0; i < 20; ++i) bench.send(Bench::row(i));

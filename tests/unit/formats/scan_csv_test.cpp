@@ -197,7 +197,9 @@ INSTANTIATE_TEST_SUITE_P(
                       Fault{"40,150", "40,-180", 10, "phi_r_deg", "above -180"},
                       Fault{"40,150", "40,181", 10, "phi_r_deg", "above -180"},
                       Fault{"40,150", "-40,150", 10, "theta_r_deg", "phi_r_deg + 180"},
-                      Fault{"0,532,90", "0,0,90", 9, "wavelength_nm", "nm"}));
+                      Fault{"0,532,90", "0,0,90", 9, "wavelength_nm", "nanometres"},
+                      Fault{"0,532,90", "0,0.532,90", 9, "wavelength_nm", "micrometres"},
+                      Fault{"0,532,90", "0,5.32e-7,90", 9, "wavelength_nm", "micrometres"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Structure, ScanCsvFault,

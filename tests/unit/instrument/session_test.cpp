@@ -177,6 +177,18 @@ TEST(Session, ADeviceThatWasRestartedIsALostLink) {
               HasSubstr("the controller was restarted"));
 }
 
+TEST(Session, ARequestToADeviceThatWasRestartedIsALostLinkNotARefusal) {
+  Cable cable;
+  Session session(plug_into(cable));
+  cable.device.restart();
+  try {
+    session.request(protocol::GetStatus{});
+    FAIL() << "answered";
+  } catch (const LinkLost& lost) {
+    EXPECT_THAT(lost.what(), HasSubstr("the controller was restarted"));
+  }
+}
+
 TEST(Session, TheDeviceClockIsKnownWithinItsUncertainty) {
   Cable cable;
   cable.device.clock_rate = 1.00005;

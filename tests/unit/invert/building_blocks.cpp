@@ -221,6 +221,35 @@ TEST(FitFile, KeepsEveryMember) {
   std::filesystem::remove(path);
 }
 
+TEST(FitFile, CorrelationsAreTriplesAndALimitHasNoStandardError) {
+  formats::FitResult fit;
+  fit.model = "li-torrance";
+  fit.wavelengths_nm = {532, 633};
+  formats::FitParameter k;
+  k.name = "k_udf";
+  k.shared = false;
+  k.estimates = {{0.1, 0.0, 0.2, 0.05, "", true}, {0.0, 0.0, 0.3, 0.07, "lower", false}};
+  fit.parameters = {k};
+  fit.correlations = {{"k_udf", "k_uds", -0.99, 532, 532}, {"sigma_um", "tau_um", 0.98, {}, {}}};
+  fit.dhr = {{532, 30, 0.5, 0.49, 0.51, 0.02}};
+  const std::string text = formats::fit_to_json(fit);
+  std::string bare;
+  for (const char c : text)
+    if (c != ' ' && c != '\n') bare += c;
+  EXPECT_NE(bare.find(R"("correlations":[["k_udf","k_uds",-0.99],["sigma_um","tau_um",0.98]])"),
+            std::string::npos);
+  EXPECT_NE(bare.find(R"("correlations_wavelength_nm":[[532.0,532.0],[null,null]])"),
+            std::string::npos);
+  EXPECT_NE(bare.find(R"("standard_error":null)"), std::string::npos);
+  const formats::FitResult again = formats::fit_from_json(text, "fit.json");
+  EXPECT_EQ(again.correlations.at(0).first_wavelength_nm, 532);
+  EXPECT_FALSE(again.correlations.at(1).second_wavelength_nm.has_value());
+  EXPECT_EQ(again.parameters.at(0).at(0).standard_error, 0.05);
+  EXPECT_EQ(again.parameters.at(0).at(1).standard_error, 0);
+  EXPECT_EQ(again.dhr.at(0).mirror, 0.02);
+  EXPECT_EQ(formats::fit_to_json(again), text);
+}
+
 TEST(FitFile, RefusesWhatIsNotAFit) {
   const auto refusal = [](const std::string& text) {
     try {

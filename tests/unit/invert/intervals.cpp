@@ -9,6 +9,7 @@
 
 #include "host/brdf/dhr.hpp"
 #include "host/formats/atomic_file.hpp"
+#include "host/formats/h5_header.hpp"
 #include "host/formats/hdf5_image.hpp"
 #include "host/invert/invert.hpp"
 #include "host/invert/prediction.hpp"
@@ -295,8 +296,14 @@ TEST(Intervals, HemisphereCarriesTheUncertaintyOfTheFit) {
     EXPECT_LT(h.brdf_u[i], 0.10 * h.brdf_per_sr[i]);
   }
   const std::string path = testing::TempDir() + "umov_hemisphere_test.h5";
-  write_hemispheres_hdf5(path, {h});
+  formats::Provenance provenance;
+  provenance.program = "umov test";
+  provenance.command = "umov invert brdf.h5";
+  write_hemispheres_hdf5(path, {h}, provenance, {{"data_sha256", "0123"}});
   const formats::Hdf5Reader file(formats::read_whole_file(path), path);
+  formats::Keys keys;
+  EXPECT_EQ(formats::read_h5_header(file, "umov hemisphere h5", keys).command, provenance.command);
+  EXPECT_EQ(keys, (formats::Keys{{"data_sha256", "0123"}}));
   std::size_t rows = 0, columns = 0;
   EXPECT_EQ(file.matrix("/hemisphere_532_30/brdf_per_sr", rows, columns), h.brdf_per_sr);
   EXPECT_EQ(rows, 9U);
