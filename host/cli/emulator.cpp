@@ -16,6 +16,7 @@
 #include "host/cli/device_choice.hpp"
 #include "host/cli/emulator/emulated_instrument.hpp"
 #include "host/cli/interrupt.hpp"
+#include "host/cli/output_file.hpp"
 #include "host/errors/error.hpp"
 #include "host/optics/mueller.hpp"
 
@@ -76,6 +77,7 @@ void describe(const std::string& name, const Common& common) {
 /// The polarised in-plane BRDF of a sample as a calibration laboratory would certify it: what
 /// `umov calibrate --reference-brdf` reads for a standard that is not Lambertian.
 void write_certificate(const std::string& name, const std::string& path) {
+  require_product_output({name}, path);
   const auto sample = plant::make_sample(name);
   struct Axis {
     const char* text;

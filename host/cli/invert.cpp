@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/cli/command.hpp"
+#include "host/cli/output_file.hpp"
 #include "host/cli/progress.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/atomic_file.hpp"
@@ -268,11 +269,9 @@ void run(Arguments& arguments, const Common& common) {
     throw Error({arguments.hemisphere}, "has neither the ending .h5 nor .csv",
                 "name the kind of file by its ending");
   }
-  for (const std::string* output : {&arguments.output, &arguments.hemisphere}) {
-    std::error_code code;
-    if (!output->empty() && std::filesystem::equivalent(arguments.input, *output, code)) {
-      throw Error({*output}, "is the input itself", "choose another output");
-    }
+  require_product_output({arguments.input}, arguments.output);
+  if (!arguments.hemisphere.empty()) {
+    require_product_output({arguments.input, arguments.output}, arguments.hemisphere);
   }
   invert::Options& options = arguments.options;
   options.fix = settings("--fix", arguments.fix);

@@ -35,7 +35,8 @@ class BadInput(UmovCase):
         self.must("export", "other.h5", "--format", "csv", "-o", "other.csv")
         before = {name: (self.folder / name).read_bytes() for name in ("scan.h5", "other.h5", "other.csv")}
         for target in before:
-            for command in (["reduce", "scan.h5"], ["calibrate", "scan.h5"], ["report", "scan.h5"]):
+            for command in (["reduce", "scan.h5"], ["calibrate", "scan.h5"], ["report", "scan.h5"],
+                            ["invert", "scan.h5", "--model", "nef"], ["emulator", "--certificate", "white-99"]):
                 with self.subTest(f"{command[0]} onto {target}"):
                     self.refused(*command, "-o", target, says=[target])
         for name, content in before.items():
