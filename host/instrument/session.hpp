@@ -59,7 +59,6 @@ class Session {
 
   /// Who answered, and the scales of its numbers.
   const protocol::HelloReply& device() const { return device_; }
-  const Transport& transport() const { return *transport_; }
   std::string name() const { return transport_->name(); }
   /// Host clock that belongs to this pipe, microseconds.
   std::uint64_t clock_us() const { return transport_->clock_us(); }
@@ -91,8 +90,6 @@ class Session {
   /// Makes `round_trips` more and returns the clock.
   const ClockSync& synchronise_clock(int round_trips);
   const ClockSync& clock() const { return clock_; }
-
-  const protocol::FrameCounters& frame_counters() const { return reader_.counters(); }
 
  private:
   struct Pending {

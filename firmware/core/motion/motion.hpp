@@ -49,7 +49,6 @@ class Motion {
   bool busy() const;
   bool homing() const { return homing_mask_ != 0; }
   std::uint8_t homed_mask() const { return homed_mask_; }
-  bool all_homed() const { return homed_mask_ == (1u << axis_count) - 1u; }
   std::int32_t position_steps(int axis) const { return axes_[index(axis)].position(); }
   std::int32_t position_udeg(int axis) const;
   /// Sense of the last move of the detector arm that was not zero, its take-up included; 1 at
