@@ -12,6 +12,10 @@ if(UMOV_SANITIZE)
                                                 -fno-sanitize-recover=undefined)
   target_link_options(umov_options INTERFACE -fsanitize=address,undefined)
 endif()
+if(UMOV_FUZZ)
+  # Coverage of the code under test, without which libFuzzer changes its inputs blindly.
+  target_compile_options(umov_options INTERFACE $<$<COMPILE_LANG_AND_ID:CXX,Clang>:-fsanitize=fuzzer-no-link>)
+endif()
 
 # umov_library(NAME [DEPENDS libs…]): a static library of all *.cpp in the current folder.
 function(umov_library name)

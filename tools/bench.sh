@@ -1,5 +1,20 @@
 #!/usr/bin/env bash
-# Benchmarks behind docs/benchmarks.md.
+# Benchmarks behind docs/benchmarks*.md: ./dev bench, or ./dev bench NAME [options] for one of them.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-/usr/bin/python3 tools/benchmarks/spine.py -o docs/benchmarks.md "$@"
+name=${1:-all}
+if (($# > 0)); then shift; fi
+
+spine() { /usr/bin/python3 tools/benchmarks/spine.py -o docs/benchmarks.md "$@"; }
+# A section of spine's page, which spine itself writes anew.
+inversion() { /usr/bin/python3 tools/benchmarks/inversion.py -o docs/benchmarks.md "$@"; }
+sampling() { /usr/bin/python3 tools/benchmarks/sampling.py -o docs/benchmarks_sampling.md "$@"; }
+
+case "$name" in
+  all) spine; inversion; sampling ;;
+  spine) spine "$@"; inversion ;;
+  inversion) inversion "$@" ;;
+  starts) inversion --rivals 1 "$@" ;;
+  sampling) sampling "$@" ;;
+  *) echo "dev: there is no benchmark '$name'; there are spine, inversion, starts, sampling" >&2; exit 2 ;;
+esac

@@ -18,6 +18,7 @@ struct Setup {
   double sample_azimuth_deg = 0.0;  ///< sample turned in its mount, about its own normal
   double iris_fraction = 1.0;       ///< detector aperture's diameter over its usual one
   bool sample_removed = false;
+  bool long_pass = false;  ///< filter before the detector, see LongPassConfig
 };
 
 /// Mueller matrices between the polariser's basis and the analyser's: power into the detector per

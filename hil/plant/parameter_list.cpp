@@ -163,6 +163,11 @@ std::vector<Parameter> parameters(PlantConfig& config) {
   c.enter("filter.");
   c.add("density_error", config.filter.density_error, -0.9, 10, "1",
         "relative error of optical densities");
+  c.enter("long_pass.");
+  c.add("edge_nm", config.long_pass.edge_nm, 300, 2000, "nm",
+        "filter before the detector: blocks shorter wavelengths");
+  c.add("transmittance", config.long_pass.transmittance, 0, 1, "1", "above its edge");
+  c.add("leak", config.long_pass.leak, 0, 1, "1", "below it");
   c.enter("monitor.");
   c.add("polarization_bias", config.monitor.polarization_bias, -1, 1, "1",
         "response to Q, + favours s");

@@ -167,6 +167,14 @@ Stokes Plant::beam_behind_filter(int laser, double time_s) const {
          filter_transmittance() * beam;
 }
 
+double Plant::long_pass_transmittance(int laser) const {
+  if (!setup_.long_pass) return 1.0;
+  const LaserConfig& l = config_.laser[static_cast<std::size_t>(laser)];
+  const LongPassConfig& filter = config_.long_pass;
+  return l.wavelength_nm + l.wavelength_error_nm < filter.edge_nm ? filter.leak
+                                                                  : filter.transmittance;
+}
+
 Plant::Beams Plant::beams_at(double time_s) const {
   Stokes row = photodiode_row(config_.detector.polarization_bias);
   if (stages_[4].motor_deg() < open_from_deg) {
@@ -185,7 +193,8 @@ Plant::Beams Plant::beams_at(double time_s) const {
     beams.monitor += monitor;
     noise_power += monitor * config_.laser[i].sample_noise;
     if (opening > 0.0) {
-      beams.signal += opening * config_.laser[i].gain_constant_v * power_[i].unseen(time_s) *
+      beams.signal += opening * long_pass_transmittance(laser) * config_.laser[i].gain_constant_v *
+                      power_[i].unseen(time_s) *
                       optics::contract(row, throughput(laser).total(), beam);
     }
   }

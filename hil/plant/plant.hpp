@@ -88,6 +88,7 @@ class Plant {
   Stokes beam_behind_filter(int laser, double time_s) const;
   Beams beams_at(double time_s) const;
   double filter_transmittance() const;
+  double long_pass_transmittance(int laser) const;
   double shutter_opening(double time_s) const;
   double gain_at_adc() const;
 

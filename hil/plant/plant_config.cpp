@@ -76,6 +76,8 @@ PlantConfig realistic_config() {
   config.polarizer.extinction = 1e-4;  // wideband sheet or wire grid
   config.analyzer.extinction = 1e-4;
   config.filter.density_error = 0.02;
+  config.long_pass.transmittance = 0.91;  // coloured glass, reflection at two faces
+  config.long_pass.leak = 1e-5;
   config.monitor.polarization_bias = 0.005;
   config.monitor.phase_deg = -0.2;
   config.monitor.offset_v = 0.004;

@@ -76,6 +76,13 @@ struct FilterConfig {
       0.0;  ///< relative error of the optical densities (the monitor sees the true power)
 };
 
+/// The filter that an operator puts before the detector to tell fluorescence from reflection.
+struct LongPassConfig {
+  double edge_nm = 570.0;      ///< shorter wavelengths are blocked
+  double transmittance = 1.0;  ///< above the edge
+  double leak = 0.0;           ///< below it
+};
+
 struct MonitorConfig {
   double polarization_bias = 0.0;  ///< response to (1, δ, 0, 0), + favours s
   double phase_deg = 0.0;          ///< electronic phase, X + iY turns by it
@@ -138,6 +145,7 @@ struct PlantConfig {
   PolarizerConfig polarizer;
   PolarizerConfig analyzer;
   FilterConfig filter;
+  LongPassConfig long_pass;
   MonitorConfig monitor;
   MountConfig mount;
   CollectionConfig collection;

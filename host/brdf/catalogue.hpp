@@ -14,13 +14,24 @@ struct CatalogueEntry {
   Kind kind;
   std::string_view name;
   std::string_view description;
-  bool has_shadowing;      ///< none, vgroove, smith, smith-correlated
-  bool has_maxwell_beard;  ///< maxwell-beard as well
-  bool has_slopes;         ///< gaussian, exponential
+  std::string_view formula;
+  std::string_view remarks;                    ///< energy, reciprocity, limits
+  std::span<const Shadowing> shadowings = {};  ///< what the choice offers, the default first
+  std::span<const Slopes> slopes = {};
+  std::span<const Psd> psds = {};
+};
+
+struct AliasEntry {
+  std::string_view name, model, meaning;
 };
 
 /// In the order in which users see them.
 std::span<const CatalogueEntry> catalogue();
+
+std::span<const AliasEntry> alias_entries();
+
+/// A component of this kind with the default of every choice.
+Component default_component(Kind kind);
 
 /// Parameters of one component, in the order in which its formula reads them, without a prefix.
 std::vector<Parameter> parameters_of(const Component& component);

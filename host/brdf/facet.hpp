@@ -31,11 +31,10 @@ struct FacetFrame {
   optics::DoubleAngle<A> entry, exit;
 };
 
+/// `in` and `out` as optics::incident_beam() and optics::exit_beam() make them.
 template <class A>
-FacetFrame<A> facet_frame(const Geometry<A>& geometry) {
+FacetFrame<A> facet_frame(const optics::Beam<A>& in, const optics::Beam<A>& out) {
   using std::sqrt;
-  const optics::Beam<A> in = optics::incident_beam(geometry.theta_i);
-  const optics::Beam<A> out = optics::exit_beam(geometry.theta_r, geometry.phi_r);
   FacetFrame<A> f;
   f.cos_i = -in.k.z;
   f.sin_i = in.k.x;
@@ -57,6 +56,12 @@ FacetFrame<A> facet_frame(const Geometry<A>& geometry) {
   f.entry = optics::rotation_to(in, normal);
   f.exit = optics::rotation_to(out, normal);
   return f;
+}
+
+template <class A>
+FacetFrame<A> facet_frame(const Geometry<A>& geometry) {
+  return facet_frame(optics::incident_beam(geometry.theta_i),
+                     optics::exit_beam(geometry.theta_r, geometry.phi_r));
 }
 
 /// A function of n, κ and a cosine, such as a Fresnel reflectance, by `compute` of any scalar type.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "host/brdf/catalogue.hpp"
@@ -35,6 +36,13 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   }
 }
 
+const CatalogueEntry& entry_named(std::string_view name) {
+  for (const CatalogueEntry& entry : catalogue()) {
+    if (entry.name == name) return entry;
+  }
+  throw Error(fmt::format("no model '{}'", name), "there are " + model_listing());
+}
+
 std::string_view kind_name(Kind kind) {
   for (const CatalogueEntry& entry : catalogue()) {
     if (entry.kind == kind) return entry.name;
@@ -57,7 +65,12 @@ Component parse_component(std::string_view text) {
   bool known = false;
   for (const CatalogueEntry& entry : catalogue()) {
     if (entry.name != name) continue;
-    component.kind = entry.kind;
+    component = default_component(entry.kind);
+    known = true;
+  }
+  for (const AliasEntry& alias : alias_entries()) {
+    if (alias.name != name) continue;
+    component = parse_component(alias.model);
     known = true;
   }
   if (!known) {
@@ -77,8 +90,7 @@ Component parse_component(std::string_view text) {
 }
 
 std::string component_name(const Component& component) {
-  const Component plain{component.kind};
-  const std::vector<Choice> defaults = choices_of(plain);
+  const std::vector<Choice> defaults = choices_of(default_component(component.kind));
   const std::vector<Choice> chosen = choices_of(component);
   std::string text(kind_name(component.kind));
   char separator = ':';
@@ -107,6 +119,8 @@ Model::Model(std::vector<Component> components) : components_(std::move(componen
       choice.name = prefix + choice.name;
       choices_.push_back(std::move(choice));
     }
+    if (component.kind == Kind::tabulated)
+      table_slots_.push_back({prefix + "file", i, component.table != nullptr});
   }
 }
 
@@ -122,11 +136,24 @@ std::vector<std::string> Model::names() {
   return list;
 }
 
-std::string Model::description(std::string_view name) {
-  for (const CatalogueEntry& entry : catalogue()) {
-    if (entry.name == name) return std::string(entry.description);
+std::vector<Alias> Model::aliases() {
+  std::vector<Alias> list;
+  for (const AliasEntry& entry : alias_entries()) {
+    list.push_back({std::string(entry.name), std::string(entry.model), std::string(entry.meaning)});
   }
-  throw Error(fmt::format("no model '{}'", name), "there are " + model_listing());
+  return list;
+}
+
+std::string Model::description(std::string_view name) {
+  return std::string(entry_named(name).description);
+}
+
+std::string Model::formula(std::string_view name) {
+  return std::string(entry_named(name).formula);
+}
+
+std::string Model::remarks(std::string_view name) {
+  return std::string(entry_named(name).remarks);
 }
 
 bool Model::has_choice(std::string_view choice) const {
@@ -147,6 +174,35 @@ Model Model::with_choice(std::string_view choice, std::string_view value) const 
   refuse_choice(name_, choice, value, choices_);
 }
 
+bool Model::needs_table() const {
+  for (const TableSlot& slot : table_slots_) {
+    if (!slot.filled) return true;
+  }
+  return false;
+}
+
+Model Model::with_table(std::shared_ptr<const Table> table, std::size_t part) const {
+  if (part >= components_.size() || components_[part].kind != Kind::tabulated) {
+    throw Error(
+        fmt::format("part {} of model '{}' takes no table", part, name_),
+        "parts count from 0; those that take one: " +
+            listing(table_slots_, [](const TableSlot& s) { return std::to_string(s.part); }));
+  }
+  if (!table) throw Error("no table was given to model '" + name_ + "'", "read one from a file");
+  std::vector<Component> components = components_;
+  components[part].table = std::move(table);
+  return Model(std::move(components));
+}
+
+void refuse_missing_table(const Model& model) {
+  std::string settings;
+  for (const TableSlot& slot : model.table_slots()) {
+    if (!slot.filled) settings += " --set " + slot.name + "=PATH";
+  }
+  throw Error(fmt::format("model '{}' has no table to take its values from", model.name()),
+              "name a file of BRDF values:" + settings + " (from C++: Model::with_table)");
+}
+
 std::size_t Model::index_of(std::string_view parameter) const {
   for (std::size_t i = 0; i < parameters_.size(); ++i) {
     if (parameters_[i].name == parameter) return i;
@@ -157,6 +213,8 @@ std::size_t Model::index_of(std::string_view parameter) const {
                 return c.name + "=" + fmt::format("{}", fmt::join(c.values, "|"));
               });
   }
+  if (!table_slots_.empty())
+    remedy += "; tables: " + listing(table_slots_, [](const TableSlot& s) { return s.name; });
   throw Error(fmt::format("model '{}' has no parameter '{}'", name_, parameter), remedy);
 }
 

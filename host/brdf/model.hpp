@@ -5,12 +5,15 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace umov::brdf {
+
+class Table;  // host/brdf/table.hpp
 
 /// One number of a model, declared once, in host/brdf/catalogue.cpp.
 struct Parameter {
@@ -33,15 +36,50 @@ struct Choice {
   std::string meaning;
 };
 
-enum class Kind { lambertian, nef, microfacet, ggx, he_torrance, li_torrance, phong, ward };
+/// A place of a model that takes a table of values instead of a number: the file of `tabulated`.
+struct TableSlot {
+  std::string name;      ///< "file"; in a sum "0.file"
+  std::size_t part = 0;  ///< position in the sum
+  bool filled = false;   ///< with_table() has been called
+};
+
+enum class Kind {
+  lambertian,
+  nef,
+  microfacet,
+  ggx,
+  he_torrance,
+  li_torrance,
+  rayleigh_rice,
+  beard_maxwell,
+  subsurface,
+  single_scatter,
+  phong,
+  ward,
+  tabulated
+};
 enum class Shadowing { none, v_groove, smith, smith_correlated, maxwell_beard };
-enum class Slopes { gaussian, exponential };
+enum class Slopes {
+  gaussian,
+  exponential,
+  angle  ///< Gaussian in the facet's angle, not its tangent; beard-maxwell only
+};
+enum class Psd { gaussian, abc };
+
+/// A name under which users look for a model that exists under another.
+struct Alias {
+  std::string name;     ///< "torrance-sparrow"
+  std::string model;    ///< "microfacet:shadowing=vgroove"
+  std::string meaning;  ///< one sentence
+};
 
 /// One term of a sum. Its parameters are `count` numbers from `first` on.
 struct Component {
   Kind kind = Kind::lambertian;
-  Shadowing shadowing = Shadowing::smith;  ///< microfacet and ggx only
-  Slopes slopes = Slopes::gaussian;        ///< microfacet only
+  Shadowing shadowing = Shadowing::smith;  ///< microfacet, ggx, beard-maxwell
+  Slopes slopes = Slopes::gaussian;        ///< microfacet, beard-maxwell
+  Psd psd = Psd::gaussian;                 ///< rayleigh-rice only
+  std::shared_ptr<const Table> table;      ///< tabulated only; null until with_table()
   std::size_t first = 0;
   std::size_t count = 0;
 };
@@ -49,13 +87,20 @@ struct Component {
 class Model {
  public:
   /// `name` is a model ("microfacet"), a model with choices
-  /// ("microfacet:shadowing=vgroove,slopes=exponential") or a sum of them ("microfacet+nef").
+  /// ("microfacet:shadowing=vgroove,slopes=exponential"), an alias ("torrance-sparrow") or a sum of
+  /// them ("microfacet+nef").
   /// Throws umov::Error listing what exists.
   static Model by_name(const std::string& name);
   /// Names of all models, without sums.
   static std::vector<std::string> names();
+  /// Further names that by_name() takes, alone or as parts of sums, with choices or without.
+  static std::vector<Alias> aliases();
   /// What a model of names() is, in one sentence.
   static std::string description(std::string_view name);
+  /// Where a model of names() has its formula: numbers in docs/physics.md, and the paper.
+  static std::string formula(std::string_view name);
+  /// How a model of names() stands to energy conservation and reciprocity, and where it fails.
+  static std::string remarks(std::string_view name);
 
   /// Canonical name: parts joined by '+', with those choices that differ from their defaults.
   const std::string& name() const { return name_; }
@@ -67,6 +112,14 @@ class Model {
   /// exist. Throws umov::Error listing what exists.
   Model with_choice(std::string_view choice, std::string_view value) const;
   bool has_choice(std::string_view choice) const;
+
+  /// Where tables belong; empty for models that are formulas.
+  const std::vector<TableSlot>& table_slots() const { return table_slots_; }
+  /// A slot is still empty: evaluate() and dhr() would throw.
+  bool needs_table() const;
+  /// The same model with the values of its part number `part` (readers of files make them:
+  /// formats::read_table). Throws umov::Error when that part takes no table or `table` is null.
+  Model with_table(std::shared_ptr<const Table> table, std::size_t part = 0) const;
 
   /// Position of a parameter. Throws umov::Error listing what exists.
   std::size_t index_of(std::string_view parameter) const;
@@ -83,6 +136,10 @@ class Model {
   std::vector<Component> components_;
   std::vector<Parameter> parameters_;
   std::vector<Choice> choices_;
+  std::vector<TableSlot> table_slots_;
 };
+
+/// Throws the umov::Error of a tabulated model that was given no table.
+[[noreturn]] void refuse_missing_table(const Model& model);
 
 }  // namespace umov::brdf

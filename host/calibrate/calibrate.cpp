@@ -8,6 +8,7 @@
 #include "host/calibrate/calibration.hpp"
 #include "host/calibrate/reduce.hpp"
 #include "host/calibrate/standard_fit.hpp"
+#include "host/calibrate/standard_scatter.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/order_statistics.hpp"
 #include "host/optics/angles.hpp"
@@ -33,6 +34,7 @@ struct Prepared {
   Dark dark;
   std::vector<LockinPhase> phases;
   RangeErrors ranges;
+  Nonlinearity nonlinearity;
   double solid_angle_sr;
   double theta_i_deg = 0;  ///< incidence used where the standard is not tabulated
 };
@@ -47,6 +49,12 @@ double polarisation(const ReferenceStandard& reference, const formats::ScanTable
   };
   const auto s = behind(90.0), p = behind(0.0);
   return s && p && *s + *p > 0 ? (*s - *p) / (*s + *p) : 0.0;
+}
+
+/// Volts of stray light per level (1/sr) are C times this.
+double stray_base(const Prepared& input, std::size_t i) {
+  const formats::ScanTable& scan = input.standard->scan;
+  return stray_share(scan.analyzer_deg[i]) * input.solid_angle_sr * scan.monitor_v[i];
 }
 
 std::vector<StandardRow> rows_of(const Prepared& input, double wavelength, double phase_rad) {
@@ -67,14 +75,19 @@ std::vector<StandardRow> rows_of(const Prepared& input, double wavelength, doubl
     const DarkLevel dark = input.dark.at(scan.gain[i]);
     const double true_part = 1.0 + input.ranges.at(scan.gain[i]).error;
     StandardRow row;
-    row.signal_v = ((scan.x_v[i] - dark.x_v) * std::cos(phase_rad) +
-                    (scan.y_v[i] - dark.y_v) * std::sin(phase_rad)) /
-                   true_part;
+    row.signal_v = input.nonlinearity.true_signal(
+        ((scan.x_v[i] - dark.x_v) * std::cos(phase_rad) +
+         (scan.y_v[i] - dark.y_v) * std::sin(phase_rad)) /
+        true_part);
+    row.stray_base = stray_base(input, i);
+    row.phi_r_deg = scan.phi_r_deg[i];
     row.base = *f * cosine * input.solid_angle_sr * scan.monitor_v[i];
     row.theta_r_deg = scan.theta_r_deg[i];
     row.from_retro_deg =
         from_retro_deg(scan.theta_i_deg[i], scan.theta_r_deg[i], scan.phi_r_deg[i]);
     row.gain = scan.gain[i];
+    row.polarizer_deg = scan.polarizer_deg[i];
+    row.analyzer_deg = scan.analyzer_deg[i];
     row.bias_lever = formats::is_open(scan.analyzer_deg[i]) ? polarisation(reference, scan, i)
                                                             : -cos_twice(scan.analyzer_deg[i]);
     row.retention_lever = reference.polarised()
@@ -99,6 +112,52 @@ void set_variances(std::vector<StandardRow>& rows, const Prepared& input, double
   }
 }
 
+/// Takes stray light out of the rows; the gain constant it needs comes from the rows themselves.
+void subtract_stray(std::vector<StandardRow>& rows, const StrayLight& stray, double wavelength) {
+  if (stray.empty() || rows.empty()) return;
+  std::vector<double> ratio;
+  for (const StandardRow& row : rows) ratio.push_back(row.signal_v / row.base);
+  const double gain_constant = formats::median(std::move(ratio));
+  for (StandardRow& row : rows) {
+    row.volts_per_stray = gain_constant * row.stray_base;
+    row.signal_v -= row.volts_per_stray * stray.level(wavelength, row.theta_r_deg, row.phi_r_deg);
+  }
+}
+
+/// How much more light than ideal elements do the true ones bring to the detector from a
+/// depolarising standard; δ is a parameter of the fit and not in it.
+double polarization_response(PolarizationVector parameters, const StandardRow& row) {
+  parameters(index_of(PolarizationParameter::detector_bias)) = 0;
+  return source_vector(parameters, row.polarizer_deg)(0) *
+         analyzer_vector(parameters, row.analyzer_deg)(0) /
+         (ideal_source_vector(row.polarizer_deg)(0) * ideal_analyzer_vector(row.analyzer_deg)(0));
+}
+
+void apply_polarization(std::vector<StandardRow>& rows, const PolarizationWavelength* entry) {
+  if (entry == nullptr) return;
+  for (StandardRow& row : rows) row.base *= polarization_response(entry->values(), row);
+}
+
+/// WavelengthCalibration::polarization_shift.
+Eigen::MatrixXd polarization_shift(const std::vector<StandardRow>& rows, const StandardFit& fit,
+                                   const PolarizationWavelength& entry, Eigen::Index parameters) {
+  Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(parameters, polarization_parameters);
+  for (Eigen::Index k = 0; k < polarization_parameters; ++k) {
+    constexpr double step = 1e-6;
+    PolarizationVector up = entry.values(), down = up;
+    up(k) += step;
+    down(k) -= step;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const double slope = (std::log(polarization_response(up, rows[i])) -
+                            std::log(polarization_response(down, rows[i]))) /
+                           (2 * step);
+      shift.col(k) -= slope * rows[i].signal_v *
+                      fit.response.col(static_cast<Eigen::Index>(i)).head(parameters);
+    }
+  }
+  return shift;
+}
+
 bool varies(const std::vector<StandardRow>& rows, double StandardRow::*lever) {
   return std::any_of(rows.begin(), rows.end(), [&](const StandardRow& row) {
     return std::abs(row.*lever - rows.front().*lever) > 1e-3;
@@ -106,8 +165,8 @@ bool varies(const std::vector<StandardRow>& rows, double StandardRow::*lever) {
 }
 
 StandardFit fit_wavelength(std::vector<StandardRow>& rows, const Prepared& input, double wavelength,
-                           const CalibrateOptions& options, WavelengthCalibration& entry,
-                           std::vector<std::string>& notes) {
+                           std::size_t number, const CalibrateOptions& options,
+                           WavelengthCalibration& entry, std::vector<std::string>& notes) {
   if (rows.size() < 2)
     throw Error(fmt::format("the white scan `{}` has {} usable records at {:g} nm",
                             input.standard->name, rows.size(), wavelength),
@@ -142,14 +201,26 @@ StandardFit fit_wavelength(std::vector<StandardRow>& rows, const Prepared& input
     rows = std::move(kept);
   }
   entry.rejected += all - rows.size();
-
+  const PolarizationWavelength* wafer =
+      options.polarization ? options.polarization->find(wavelength) : nullptr;
   const bool can_bias = varies(rows, &StandardRow::bias_lever);
   if (options.bias == CalibrateOptions::Bias::on && !can_bias)
     throw Error(
         "the detector's polarisation bias is asked for, but the white scan has one analyser state "
         "only",
         "measure the standard with analyser P and S, best with both polariser states");
-  if (options.bias != CalibrateOptions::Bias::off && can_bias) {
+  if (wafer != nullptr && options.bias != CalibrateOptions::Bias::off) {
+    // The wafer's δ is prior knowledge of the standard's: so it counts once.
+    model.bias = true;
+    model.bias_prior = wafer->detector_bias;
+    model.bias_prior_u = std::max(wafer->detector_bias_u, 1e-7);
+    model.polarization_u = input.standard->reference.polarization_u();
+    fit = choose_instrument_function(rows, model, options.max_degree, two_sided);
+    const auto at = static_cast<Eigen::Index>(fit.model.degrees.size()) + 1;
+    entry.bias_active = true;
+    entry.detector_bias = fit.parameters(at);
+    entry.detector_bias_u = std::sqrt(fit.covariance(at, at));
+  } else if (options.bias != CalibrateOptions::Bias::off && can_bias) {
     model.bias = true;
     StandardFit with = choose_instrument_function(rows, model, options.max_degree, two_sided);
     const auto at = static_cast<Eigen::Index>(with.model.degrees.size()) + 1;
@@ -160,6 +231,7 @@ StandardFit fit_wavelength(std::vector<StandardRow>& rows, const Prepared& input
     entry.detector_bias_u = std::sqrt(with.covariance(at, at));
     entry.bias_active = options.bias == CalibrateOptions::Bias::on ||
                         std::abs(entry.detector_bias) > 3.0 * entry.detector_bias_u;
+    if (number < options.bias_decided.size()) entry.bias_active = options.bias_decided[number];
     if (entry.bias_active) fit = with;
   } else if (options.bias != CalibrateOptions::Bias::off) {
     // One analyser state says nothing of δ: it may be what the standard's own polarisation may be.
@@ -195,8 +267,89 @@ StandardFit fit_wavelength(std::vector<StandardRow>& rows, const Prepared& input
   return fit;
 }
 
+/// fit_wavelength with the scatter that its own residuals show taken as noise of the standard's
+/// records: strong signals then weigh no more than they are worth.
+StandardFit fit_with_own_scatter(std::vector<StandardRow>& rows, const Prepared& input,
+                                 double wavelength, std::size_t number,
+                                 const CalibrateOptions& options, WavelengthCalibration& entry,
+                                 std::vector<std::string>& notes) {
+  const std::vector<StandardRow> all = rows;
+  const WavelengthCalibration blank = entry;
+  double about_fit2 = 0, between_angles = 0;
+  for (int round = 0;; ++round) {
+    std::vector<std::string> own_notes;
+    StandardFit fit = fit_wavelength(rows, input, wavelength, number, options, entry, own_notes);
+    if (round == 0) between_angles = scatter_between_angles(rows, fit);
+    const double more = round < 3 ? scatter_about_fit(rows, fit) : 0.0;
+    if (more == 0) {
+      if (about_fit2 > 0)
+        notes.push_back(fmt::format(
+            "{:g} nm: the standard's records scatter by {:.2g} % about the fit beyond their noise, "
+            "which widens its uncertainty",
+            wavelength, 100 * std::sqrt(about_fit2)));
+      if (between_angles > 0) {
+        entry.record_scatter =
+            std::hypot(between_angles, std::sqrt(input.noise.relative2_normalised(wavelength)));
+        notes.push_back(fmt::format(
+            "{:g} nm: {:.2g} % of that from one angle to the next; `reduce` counts it as noise of "
+            "every record",
+            wavelength, 100 * between_angles));
+      }
+      notes.insert(notes.end(), own_notes.begin(), own_notes.end());
+      return fit;
+    }
+    about_fit2 += more * more;
+    rows = all;
+    for (StandardRow& row : rows) row.variance += about_fit2 * row.signal_v * row.signal_v;
+    entry = blank;
+    entry.standard_scatter = std::sqrt(about_fit2);
+  }
+}
+
+/// What one standard deviation of a systematic quantity does to the standard's records.
+class StandardShifts {
+ public:
+  StandardShifts(const Prepared& input, const CalibrateOptions& options)
+      : input_(input),
+        options_(options),
+        electronics_(electronics_shifts(input.ranges, input.nonlinearity)),
+        stray_(options.stray.shifts()) {}
+
+  /// Volts by which the signal found from a record falls.
+  double drop_v(const StandardRow& row, const Systematic& systematic, double wavelength) const {
+    switch (systematic.kind) {
+      case Systematic::Kind::dark:
+        return row.gain == systematic.gain ? input_.dark.at(systematic.gain).x_u : 0.0;
+      case Systematic::Kind::range:
+        return electronic_drop_v(row, input_.ranges.number(systematic.gain));
+      case Systematic::Kind::nonlinearity:
+        return electronic_drop_v(row, electronics_.cols() - 1);
+      case Systematic::Kind::stray:
+        return row.volts_per_stray *
+               options_.stray.level_shift(stray_.col(static_cast<Eigen::Index>(systematic.cause)),
+                                          wavelength, row.theta_r_deg, row.phi_r_deg);
+      case Systematic::Kind::detector_zero:
+        return row.signal_v * std::tan(row.theta_r_deg * degree) *
+               options_.declared.theta_r_zero_u_deg * degree;
+    }
+    return 0;
+  }
+
+ private:
+  double electronic_drop_v(const StandardRow& row, Eigen::Index column) const {
+    const Eigen::Index range = input_.ranges.number(row.gain);
+    const double error = range < 0 ? 0.0 : electronics_(range, column);
+    const double kappa = electronics_(electronics_.rows() - 1, column);
+    return row.signal_v * (error - kappa * row.signal_v);
+  }
+
+  const Prepared& input_;
+  const CalibrateOptions& options_;
+  Eigen::MatrixXd electronics_, stray_;
+};
+
 Prepared prepare(const StandardScan& standard, std::span<const formats::ScanTable> dark_scans,
-                 std::vector<std::string>& notes) {
+                 const CalibrateOptions& options, std::vector<std::string>& notes) {
   Prepared input;
   input.standard = &standard;
   const formats::ScanTable& scan = standard.scan;
@@ -207,6 +360,7 @@ Prepared prepare(const StandardScan& standard, std::span<const formats::ScanTabl
   input.dark = find_dark(scan, input.set_up, input.noise);
   for (const formats::ScanTable& dark : dark_scans)
     input.dark = merge(input.dark, find_dark_of_dark_scan(dark, fit_noise(dark)));
+  input.dark = merge(input.dark, options.dark);
   input.phases = find_phase(scan, input.set_up, input.noise, input.dark);
   const auto solid_angle = scan.number("solid_angle_sr");
   input.solid_angle_sr = solid_angle.value_or(1e-4);
@@ -222,7 +376,7 @@ Prepared prepare(const StandardScan& standard, std::span<const formats::ScanTabl
   for (std::size_t i = 0; i < scan.size(); ++i)
     if (input.set_up.row[i] == RowUse::plain)
       input.theta_i_deg = std::min(input.theta_i_deg, std::abs(scan.theta_i_deg[i]));
-  if (!standard.reference.tabulated())
+  if (!standard.reference.tabulated() && standard.reference.shape_amplitude() == 0)
     notes.push_back(
         fmt::format("{}: its reflectance alone is known, so it counts as Lambertian at incidence "
                     "{:g} deg, with a "
@@ -233,8 +387,11 @@ Prepared prepare(const StandardScan& standard, std::span<const formats::ScanTabl
   return input;
 }
 
-void add_checks(std::span<const StandardScan> standards, std::size_t used,
-                Calibration& calibration) {
+}  // namespace
+
+std::vector<StandardCheck> check_standards(std::span<const StandardScan> standards,
+                                           std::size_t used, const Calibration& calibration) {
+  std::vector<StandardCheck> checks;
   for (std::size_t s = 0; s < standards.size(); ++s) {
     ReduceOptions options;
     options.dolp = false;
@@ -249,12 +406,11 @@ void add_checks(std::span<const StandardScan> standards, std::size_t used,
       check.computed = reduction.table.dhr.dhr[k];
       check.computed_u = reduction.table.dhr.dhr_u[k];
       check.used_for_gain = s == used;
-      calibration.checks.push_back(check);
+      checks.push_back(check);
     }
   }
+  return checks;
 }
-
-}  // namespace
 
 Calibration calibrate(std::span<const StandardScan> standards,
                       std::span<const formats::ScanTable> dark_scans,
@@ -264,19 +420,35 @@ Calibration calibrate(std::span<const StandardScan> standards,
                 "scan a white tile with `role = \"white\"` in the plan and give that file");
   Calibration calibration;
   const StandardScan& standard = standards[options.standard];
-  Prepared input = prepare(standard, dark_scans, calibration.notes);
+  Prepared input = prepare(standard, dark_scans, options, calibration.notes);
   const RangeInput range_input{&standard.scan, &input.set_up, &input.noise, &input.dark};
-  input.ranges = find_range_errors(std::span(&range_input, 1), options.range_tolerance);
+  if (options.linearity) {
+    input.ranges = options.linearity->ranges;
+    input.nonlinearity = options.linearity->nonlinearity;
+  } else {
+    input.ranges = find_range_errors(std::span(&range_input, 1), options.range_tolerance);
+  }
 
   calibration.solid_angle_sr = input.solid_angle_sr;
   calibration.shape_u = standard.reference.shape_u();
+  calibration.shape_amplitude = standard.reference.shape_amplitude();
   calibration.dark = input.dark;
   calibration.ranges = input.ranges;
+  calibration.nonlinearity = input.nonlinearity;
+  calibration.stray = options.stray;
+  calibration.polarization = options.polarization;
+  calibration.declared = options.declared;
   for (const DarkLevel& level : input.dark.levels)
-    calibration.systematics.push_back({Systematic::Kind::dark, level.gain, {}});
-  const Eigen::MatrixXd range_shifts = input.ranges.shifts();
+    calibration.systematics.push_back({Systematic::Kind::dark, level.gain});
   for (const RangeError& range : input.ranges.ranges)
-    if (range.u > 0) calibration.systematics.push_back({Systematic::Kind::range, range.gain, {}});
+    if (range.u > 0) calibration.systematics.push_back({Systematic::Kind::range, range.gain});
+  if (input.nonlinearity.kappa_u_per_v > 0)
+    calibration.systematics.push_back({Systematic::Kind::nonlinearity, 0});
+  for (std::size_t k = 0; k < 2 * options.stray.wavelength_nm.size(); ++k)
+    calibration.systematics.push_back({Systematic::Kind::stray, 0, k});
+  if (options.declared.theta_r_zero_u_deg > 0)
+    calibration.systematics.push_back({Systematic::Kind::detector_zero, 0});
+  const StandardShifts shifts(input, options);
 
   for (double wavelength : wavelengths_of(standard.scan)) {
     WavelengthCalibration entry;
@@ -291,9 +463,14 @@ Calibration calibrate(std::span<const StandardScan> standards,
     const double shadow = remove_gross(rows);
     entry.rejected = all - rows.size();
     calibration.retro_shadow_deg = std::max(calibration.retro_shadow_deg, shadow);
+    const PolarizationWavelength* wafer =
+        options.polarization ? options.polarization->find(wavelength) : nullptr;
+    apply_polarization(rows, wafer);
+    subtract_stray(rows, options.stray, wavelength);
     set_variances(rows, input, wavelength);
     const StandardFit fit =
-        fit_wavelength(rows, input, wavelength, options, entry, calibration.notes);
+        fit_with_own_scatter(rows, input, wavelength, calibration.wavelengths.size(), options,
+                              entry, calibration.notes);
     entry.gain_constant_v = std::exp(fit.parameters(0));
     const Eigen::Index kept = entry.parameters();
     entry.covariance = fit.covariance.topLeftCorner(kept, kept);
@@ -301,18 +478,12 @@ Calibration calibrate(std::span<const StandardScan> standards,
     entry.records = rows.size();
     entry.chi2 = fit.chi2;
     entry.dof = fit.dof;
+    if (wafer != nullptr) entry.polarization_shift = polarization_shift(rows, fit, *wafer, kept);
     for (Systematic& systematic : calibration.systematics) {
       Eigen::VectorXd shift = Eigen::VectorXd::Zero(kept);
-      for (std::size_t i = 0; i < rows.size(); ++i) {
-        double change = 0;
-        if (systematic.kind == Systematic::Kind::range)
-          change = range_shifts(input.ranges.number(rows[i].gain),
-                                input.ranges.number(systematic.gain)) *
-                   rows[i].signal_v;
-        else if (rows[i].gain == systematic.gain)
-          change = input.dark.at(systematic.gain).x_u;
-        shift -= change * fit.response.col(static_cast<Eigen::Index>(i)).head(kept);
-      }
+      for (std::size_t i = 0; i < rows.size(); ++i)
+        shift -= shifts.drop_v(rows[i], systematic, wavelength) *
+                 fit.response.col(static_cast<Eigen::Index>(i)).head(kept);
       systematic.shift.push_back(shift);
     }
     calibration.wavelengths.push_back(std::move(entry));
@@ -327,7 +498,8 @@ Calibration calibrate(std::span<const StandardScan> standards,
   calibration.keys.emplace_back("standard", standard.name);
   if (const auto device = standard.scan.key("device"))
     calibration.keys.emplace_back("device", *device);
-  add_checks(standards, options.standard, calibration);
+  if (options.checks)
+    calibration.checks = check_standards(standards, options.standard, calibration);
   return calibration;
 }
 

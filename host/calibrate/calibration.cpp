@@ -25,6 +25,14 @@ const WavelengthCalibration& Calibration::at(double wavelength_nm) const {
   return wavelengths[index_of(wavelength_nm)];
 }
 
+double record_variance(const NoiseModel& noise, const WavelengthCalibration& entry, double gain,
+                       double signal_v) {
+  const double law = noise.variance_normalised(entry.wavelength_nm, gain, signal_v);
+  const double more = entry.record_scatter * entry.record_scatter -
+                      noise.relative2_normalised(entry.wavelength_nm);
+  return law + std::max(0.0, more) * signal_v * signal_v;
+}
+
 std::vector<double> wavelengths_of(const formats::ScanTable& scan) {
   std::vector<double> result;
   for (double wavelength : scan.wavelength_nm)
@@ -57,6 +65,7 @@ Calibration calibration_from_header(const formats::ScanTable& scan) {
     calibration.notes.push_back(
         "the scan has no key `gain_constant_relative_u`: 0.01 is taken for its gain constants");
   calibration.ranges.ranges.push_back({1.0, 0.0, 0.0, false});
+  calibration.ranges.covariance = Eigen::MatrixXd::Zero(1, 1);
 
   const ScanRows set_up = sort_rows(scan);
   const NoiseModel noise = fit_noise(scan);

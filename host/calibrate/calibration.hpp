@@ -1,12 +1,14 @@
 // What a calibration knows of the instrument, with covariance: gain per wavelength, instrument
-// function, lock-in phase, dark signal, amplifier ranges.
+// function, lock-in phase, dark signal, amplifier ranges, detector law, stray light.
 //
-// Signal of a record: X cos φ + Y sin φ = dark + (1 + e_g) C f cosθr ΔΩ monitor D / IF(θr), f the
-// BRDF seen by polariser and analyser, D = 1 - δ cos 2α behind an analyser at α, 1 + δ Q/I without
-// one.
+// Signal of a record: X cos φ + Y sin φ = dark + (1 + e_g) S/(1 + κS) with
+//   S = C [f cosθr D / IF(θr) + a L(θr)] ΔΩ monitor,
+// f the BRDF seen by polariser and analyser, D = 1 - δ cos 2α behind an analyser at α, 1 + δ Q/I
+// without one, L the stray light and a = 1/2 behind an analyser, else 1.
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -15,9 +17,14 @@
 #include <Eigen/Core>
 
 #include "host/calibrate/dark.hpp"
+#include "host/calibrate/declared_doubts.hpp"
 #include "host/calibrate/gain_range.hpp"
 #include "host/calibrate/instrument_function.hpp"
+#include "host/calibrate/linearity.hpp"
+#include "host/calibrate/polarization.hpp"
+#include "host/calibrate/reciprocity.hpp"
 #include "host/calibrate/reference_standard.hpp"
+#include "host/calibrate/stray_light.hpp"
 
 namespace umov::calibrate {
 
@@ -35,9 +42,19 @@ struct WavelengthCalibration {
   /// What is measured with the same lever does not notice δ.
   double gain_bias_lever = 0;
   Eigen::MatrixXd covariance;  ///< of the parameters, from the noise of the standard's scan
+  /// d parameters / d PolarizationParameter (columns), as the standard was measured with the same
+  /// polariser, analyser and monitor; the column of δ is zero, as δ is a parameter itself. Empty
+  /// where there is no polarisation calibration.
+  Eigen::MatrixXd polarization_shift;
   double phase_rad = 0, phase_u_rad = 0;
   double reference_relative_u = 0;  ///< scale of the standard, shared by all wavelengths
   std::size_t records = 0, rejected = 0;
+  /// Relative scatter of a record as the standard's records show it, where that is more than the
+  /// noise law of the scan; 0 = it is not.
+  double record_scatter = 0;
+  /// Relative scatter of the standard's records about its fit beyond their noise, what the model of
+  /// the standard misses included; `covariance` contains it.
+  double standard_scatter = 0;
   double chi2 = 0;
   double dof = 0;
 
@@ -48,13 +65,15 @@ struct WavelengthCalibration {
 };
 
 /// A calibration quantity that points share beyond the gain's own statistics: shift of each
-/// wavelength's parameters for one standard deviation; of the ranges, for the column of
-/// RangeErrors::shifts that belongs to `gain`.
+/// wavelength's parameters for one standard deviation; of ranges and nonlinearity, for the column of
+/// electronics_shifts() that belongs to `gain` (nonlinearity: the last one); of stray light, for
+/// column `cause` of StrayLight::shifts().
 struct Systematic {
-  enum class Kind { dark, range };
+  enum class Kind { dark, range, nonlinearity, stray, detector_zero };
   Kind kind;
-  double gain = 1;                     ///< amplifier range concerned
-  std::vector<Eigen::VectorXd> shift;  ///< per wavelength, in the order of its parameters
+  double gain = 1;                     ///< amplifier range concerned; 0 = none
+  std::size_t cause = 0;
+  std::vector<Eigen::VectorXd> shift = {};  ///< per wavelength, in the order of its parameters
 };
 
 /// Reflectance of a standard: stated, and computed from its scan with this calibration.
@@ -75,12 +94,18 @@ struct Calibration {
   /// Exit directions nearer than this to the way back to the source may be in the detector's own
   /// shadow: the standard was dark there. 0 = none seen.
   double retro_shadow_deg = 0;
+  double shape_amplitude = 0;  ///< of the standard, see ReferenceStandard::shape
   double shape_u = 0;  ///< amplitude of ReferenceStandard::shape, one sigma
   std::vector<WavelengthCalibration> wavelengths;
   Dark dark;
   RangeErrors ranges;
+  Nonlinearity nonlinearity;
+  StrayLight stray;
+  DeclaredDoubts declared;
   std::vector<Systematic> systematics;
+  std::optional<PolarizationCalibration> polarization;  ///< from a mirror scan
   std::vector<StandardCheck> checks;
+  std::vector<Reciprocity> reciprocity;  ///< of a scan reduced with it: all, then by wavelength
   std::vector<CalibrationInput> inputs;
   std::vector<std::string> notes;
   std::vector<std::pair<std::string, std::string>> keys;  ///< device, standard, …
@@ -103,13 +128,36 @@ struct CalibrateOptions {
   double reference_angle_deg = 0;
   enum class Bias { automatic, on, off } bias = Bias::automatic;  ///< automatic: where |δ| > 3 u
   double range_tolerance = 1e-3;
+  /// Ranges and detector law where they are known from elsewhere (find_linearity over a campaign);
+  /// else the ranges come from the standard's own scan and κ is zero.
+  std::optional<Linearity> linearity;
+  StrayLight stray;         ///< empty: none
+  /// From find_polarization. Its δ joins the standard's own, which is applied then unless `bias` is
+  /// off.
+  std::optional<PolarizationCalibration> polarization;
+  DeclaredDoubts declared;  ///< carried on to the points
+  /// Shutter-closed records of other scans of the same instrument complete the standard's.
+  Dark dark;
+  /// Whether δ is applied, by wavelength, where that was decided before; empty: `bias` says.
+  std::vector<bool> bias_decided;
+  bool checks = true;  ///< compute the reflectance of the standards
 };
+
+/// Variance of a record's signal after division by the monitor, V²: the noise law of its scan, or the
+/// scatter of the standard's records where that is more.
+double record_variance(const NoiseModel& noise, const WavelengthCalibration& entry, double gain,
+                       double signal_v);
 
 /// Calibrates from white standards (one at least) and, optionally, scans with the beam closed.
 /// Throws umov::Error where a scan has no usable record, lacks keys, or differs in wavelengths.
 Calibration calibrate(std::span<const StandardScan> standards,
                       std::span<const formats::ScanTable> dark_scans = {},
                       const CalibrateOptions& options = {});
+
+/// Reflectance of standards reduced with a calibration; `used` is the number of the one that fixed
+/// the gain.
+std::vector<StandardCheck> check_standards(std::span<const StandardScan> standards,
+                                           std::size_t used, const Calibration& calibration);
 
 /// Calibration from the header keys `gain_constant_<nm>`, `solid_angle_sr` and
 /// `gain_constant_relative_u` (default .01) of a scan; IF is one. Throws umov::Error where a key is

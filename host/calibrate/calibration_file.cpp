@@ -1,11 +1,15 @@
 #include "host/calibrate/calibration_file.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "host/calibrate/polarization_columns.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/atomic_file.hpp"
 #include "host/formats/content_hash.hpp"
@@ -19,6 +23,8 @@ namespace {
 
 constexpr const char* format_name = "umov cal h5";
 constexpr const char* ranges_covariance = "/covariance/ranges";
+constexpr const char* polarization_covariance = "/covariance/polarization";
+constexpr const char* stray_covariance = "/covariance/stray_light";
 
 /// A calibration as plain columns: one list for the writer, the reader and the checksum.
 struct Column {
@@ -50,8 +56,85 @@ double stored_degrees(double radians) {
   return std::stod(fmt::format("{:.12g}", optics::degrees(radians)));
 }
 
+constexpr std::array<std::pair<Systematic::Kind, const char*>, 5> kind_names = {{
+    {Systematic::Kind::dark, "dark"},
+    {Systematic::Kind::range, "range"},
+    {Systematic::Kind::nonlinearity, "nonlinearity"},
+    {Systematic::Kind::stray, "stray light"},
+    {Systematic::Kind::detector_zero, "detector zero"},
+}};
+
 std::string kind_name(Systematic::Kind kind) {
-  return kind == Systematic::Kind::dark ? "dark" : "range";
+  for (const auto& [known, name] : kind_names)
+    if (known == kind) return name;
+  return {};
+}
+
+void flatten_matrix(const std::string& path, const Eigen::MatrixXd& matrix, Flat& flat) {
+  for (Eigen::Index r = 0; r < matrix.rows(); ++r)
+    for (Eigen::Index c = 0; c < matrix.cols(); ++c) flat.number(path, matrix(r, c), "1");
+}
+
+/// Numbers of a reciprocity result: one list for the writer and the reader.
+constexpr std::array<std::pair<const char*, double Reciprocity::*>, 10> reciprocity_columns = {{
+    {"wavelength_nm", &Reciprocity::wavelength_nm},
+    {"mean", &Reciprocity::mean},
+    {"mean_u", &Reciprocity::mean_u},
+    {"mean_absolute", &Reciprocity::mean_absolute},
+    {"rms", &Reciprocity::rms},
+    {"rms_expected", &Reciprocity::rms_expected},
+    {"largest", &Reciprocity::largest},
+    {"largest_theta_i_deg", &Reciprocity::largest_theta_i_deg},
+    {"largest_theta_r_deg", &Reciprocity::largest_theta_r_deg},
+    {"chi2", &Reciprocity::chi2},
+}};
+
+void flatten_reciprocity(const std::vector<Reciprocity>& results, Flat& flat) {
+  const std::string group = "/reciprocity/";
+  flat.declare_text(group + "sample");
+  flat.declare(group + "pairs", "1");
+  for (const auto& [name, member] : reciprocity_columns) flat.declare(group + name, "1");
+  for (const Reciprocity& result : results) {
+    flat.text(group + "sample", result.sample);
+    flat.number(group + "pairs", static_cast<double>(result.pairs), "1");
+    for (const auto& [name, member] : reciprocity_columns)
+      flat.number(group + name, result.*member, "1");
+  }
+}
+
+void flatten_light(const Calibration& calibration, Flat& flat) {
+  const Nonlinearity& law = calibration.nonlinearity;
+  const std::string linearity = "/linearity/";
+  flat.number(linearity + "kappa_per_v", law.kappa_per_v, "1/V");
+  flat.number(linearity + "kappa_u_per_v", law.kappa_u_per_v, "1/V");
+  flat.number(linearity + "measured", law.measured ? 1 : 0, "1");
+  flat.number(linearity + "strongest_v", law.strongest_v, "V");
+  flat.number(linearity + "records", static_cast<double>(law.records), "1");
+  flat.number(linearity + "degrees_of_freedom", law.dof, "1");
+  flat.declare("/covariance_with_ranges/kappa", "1/V");
+  for (double value : law.with_ranges) flat.number("/covariance_with_ranges/kappa", value, "1/V");
+  const StrayLight& stray = calibration.stray;
+  const std::string group = "/stray_light/";
+  flat.number("/instrument/stray_forward_width_deg", stray.forward_width_deg, "deg");
+  flat.number("/instrument/stray_chi2", stray.chi2, "1");
+  flat.number("/instrument/stray_degrees_of_freedom", stray.dof, "1");
+  flat.number("/instrument/stray_records", static_cast<double>(stray.records), "1");
+  flat.declare(group + "wavelength_nm", "nm");
+  flat.declare(group + "even_per_sr", "1/sr");
+  flat.declare(group + "forward_per_sr", "1/sr");
+  flat.declare(group + "measured", "1");
+  for (std::size_t w = 0; w < stray.wavelength_nm.size(); ++w) {
+    flat.number(group + "wavelength_nm", stray.wavelength_nm[w], "nm");
+    flat.number(group + "even_per_sr", stray.even_per_sr[w], "1/sr");
+    flat.number(group + "forward_per_sr", stray.forward_per_sr[w], "1/sr");
+    flat.number(group + "measured", stray.measured[w], "1");
+  }
+  flatten_matrix(stray_covariance, stray.covariance, flat);
+  const DeclaredDoubts& declared = calibration.declared;
+  flat.number("/declared/theta_i_zero_u_deg", declared.theta_i_zero_u_deg, "deg");
+  flat.number("/declared/theta_r_zero_u_deg", declared.theta_r_zero_u_deg, "deg");
+  flat.number("/declared/aperture_half_angle_deg", declared.aperture_half_angle_deg, "deg");
+  flat.number("/declared/solid_angle_relative_u", declared.solid_angle_relative_u, "1");
 }
 
 void flatten_wavelength(const WavelengthCalibration& entry, Flat& flat) {
@@ -68,6 +151,8 @@ void flatten_wavelength(const WavelengthCalibration& entry, Flat& flat) {
   flat.number(base + "phase_u_deg", stored_degrees(entry.phase_u_rad), "deg");
   flat.number(base + "records", static_cast<double>(entry.records), "1");
   flat.number(base + "rejected", static_cast<double>(entry.rejected), "1");
+  flat.number(base + "record_scatter", entry.record_scatter, "1");
+  flat.number(base + "standard_scatter", entry.standard_scatter, "1");
   flat.number(base + "chi2", entry.chi2, "1");
   flat.number(base + "degrees_of_freedom", entry.dof, "1");
   const InstrumentFunction& f = entry.instrument_function;
@@ -83,15 +168,42 @@ void flatten_wavelength(const WavelengthCalibration& entry, Flat& flat) {
     flat.number(degrees, f.degrees[k], "1");
     flat.number(coefficients, f.coefficients[k], "1");
   }
+  for (Eigen::Index r = 0; r < entry.polarization_shift.rows(); ++r)
+    for (Eigen::Index c = 0; c < entry.polarization_shift.cols(); ++c)
+      flat.number(per_wavelength("/polarization_shift/nm", entry), entry.polarization_shift(r, c),
+                  "1");
   const std::string covariance = per_wavelength("/covariance/nm", entry);
   for (Eigen::Index r = 0; r < entry.covariance.rows(); ++r)
     for (Eigen::Index c = 0; c < entry.covariance.cols(); ++c)
       flat.number(covariance, entry.covariance(r, c), "1");
 }
 
+void flatten_polarization(const PolarizationCalibration& polarization, Flat& flat) {
+  const std::string base = "/polarization/";
+  for (const PolarizationWavelength& entry : polarization.wavelengths) {
+    for_each_polarization_column([&](const char* name, const char* unit, auto member) {
+      flat.number(base + name, entry.*member, unit);
+    });
+    flat.number(base + "records", static_cast<double>(entry.records), "1");
+    flat.number(base + "rejected", static_cast<double>(entry.rejected), "1");
+  }
+  for_each_mirror_geometry([&](const char* name, auto member) {
+    flat.number(std::string("/mirror/") + name, polarization.*member, "deg");
+  });
+  flat.text("/mirror/sample", polarization.mirror);
+  flat.text("/mirror/index", polarization.index);
+  flat.declare_text("/mirror/notes");
+  for (const std::string& note : polarization.notes) flat.text("/mirror/notes", note);
+  for (Eigen::Index r = 0; r < polarization.covariance.rows(); ++r)
+    for (Eigen::Index c = 0; c < polarization.covariance.cols(); ++c)
+      flat.number(polarization_covariance, polarization.covariance(r, c), "1");
+}
+
 Flat flatten(const Calibration& calibration) {
   Flat flat;
+  if (calibration.polarization) flatten_polarization(*calibration.polarization, flat);
   flat.number("/instrument/solid_angle_sr", calibration.solid_angle_sr, "sr");
+  flat.number("/instrument/reference_shape", calibration.shape_amplitude, "1");
   flat.number("/instrument/reference_shape_u", calibration.shape_u, "1");
   flat.number("/instrument/retro_shadow_deg", calibration.retro_shadow_deg, "deg");
   flat.number("/instrument/range_tolerance", calibration.ranges.tolerance, "1");
@@ -118,8 +230,10 @@ Flat flatten(const Calibration& calibration) {
   for (Eigen::Index r = 0; r < between_ranges.rows(); ++r)
     for (Eigen::Index c = 0; c < between_ranges.cols(); ++c)
       flat.number(ranges_covariance, between_ranges(r, c), "1");
+  flatten_light(calibration, flat);
   flat.declare_text("/systematics/kind");
   flat.declare("/systematics/gain", "1");
+  flat.declare("/systematics/cause", "1");
   for (const WavelengthCalibration& entry : calibration.wavelengths) {
     flatten_wavelength(entry, flat);
     flat.declare(per_wavelength("/systematics/shift", entry), "1");
@@ -127,6 +241,7 @@ Flat flatten(const Calibration& calibration) {
   for (const Systematic& systematic : calibration.systematics) {
     flat.text("/systematics/kind", kind_name(systematic.kind));
     flat.number("/systematics/gain", systematic.gain, "1");
+    flat.number("/systematics/cause", static_cast<double>(systematic.cause), "1");
     for (std::size_t w = 0; w < calibration.wavelengths.size(); ++w)
       for (Eigen::Index k = 0; k < systematic.shift[w].size(); ++k)
         flat.number(per_wavelength("/systematics/shift", calibration.wavelengths[w]),
@@ -143,6 +258,7 @@ Flat flatten(const Calibration& calibration) {
     flat.number("/checks/computed_u", check.computed_u, "1");
     flat.number("/checks/used_for_gain", check.used_for_gain ? 1 : 0, "1");
   }
+  flatten_reciprocity(calibration.reciprocity, flat);
   for (const char* name : {"name", "role", "sha256"})
     flat.declare_text(fmt::format("/inputs/{}", name));
   for (const CalibrationInput& input : calibration.inputs) {
@@ -202,7 +318,8 @@ void read_wavelengths(const formats::Hdf5Reader& file, Calibration& calibration)
              active = group.numbers("detector_bias_active"),
              gain_lever = group.numbers("gain_bias_lever"), phase = group.numbers("phase_deg"),
              phase_u = group.numbers("phase_u_deg"), records = group.numbers("records"),
-             rejected = group.numbers("rejected"), chi2 = group.numbers("chi2"),
+             rejected = group.numbers("rejected"), scatter = group.numbers("record_scatter"),
+             own_scatter = group.numbers("standard_scatter"), chi2 = group.numbers("chi2"),
              dof = group.numbers("degrees_of_freedom");
   Group function(file, "/instrument_function/");
   const auto reference = function.numbers("reference_deg"), low = function.numbers("min_deg"),
@@ -223,6 +340,8 @@ void read_wavelengths(const formats::Hdf5Reader& file, Calibration& calibration)
     entry.phase_u_rad = optics::radians(phase_u[w]);
     entry.records = static_cast<std::size_t>(records[w]);
     entry.rejected = static_cast<std::size_t>(rejected[w]);
+    entry.record_scatter = scatter[w];
+    entry.standard_scatter = own_scatter[w];
     entry.chi2 = chi2[w];
     entry.dof = dof[w];
     entry.instrument_function.reference_deg = reference[w];
@@ -244,8 +363,64 @@ void read_wavelengths(const formats::Hdf5Reader& file, Calibration& calibration)
     entry.covariance =
         Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
             covariance.data(), entry.parameters(), entry.parameters());
+    const std::string shift = per_wavelength("/polarization_shift/nm", entry);
+    if (file.has(shift)) {
+      const auto values = file.doubles(shift);
+      if (values.size() != expected * polarization_parameters)
+        file.fail(shift, fmt::format("has {} entries, not {}", values.size(),
+                                     expected * polarization_parameters));
+      entry.polarization_shift =
+          Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+              values.data(), entry.parameters(), polarization_parameters);
+    }
     calibration.wavelengths.push_back(std::move(entry));
   }
+}
+
+double one_of(const formats::Hdf5Reader& file, const std::string& name) {
+  const auto values = file.doubles(name);
+  if (values.size() != 1) file.fail(name, "has not one entry");
+  return values.front();
+}
+
+void read_light(const formats::Hdf5Reader& file, Calibration& calibration) {
+  Nonlinearity& law = calibration.nonlinearity;
+  law.kappa_per_v = one_of(file, "/linearity/kappa_per_v");
+  law.kappa_u_per_v = one_of(file, "/linearity/kappa_u_per_v");
+  law.measured = one_of(file, "/linearity/measured") != 0;
+  law.strongest_v = one_of(file, "/linearity/strongest_v");
+  law.records = static_cast<std::size_t>(one_of(file, "/linearity/records"));
+  law.dof = one_of(file, "/linearity/degrees_of_freedom");
+  const auto with_ranges = file.doubles("/covariance_with_ranges/kappa");
+  law.with_ranges = Eigen::Map<const Eigen::VectorXd>(
+      with_ranges.data(), static_cast<Eigen::Index>(with_ranges.size()));
+  StrayLight& stray = calibration.stray;
+  stray.forward_width_deg = one_of(file, "/instrument/stray_forward_width_deg");
+  stray.chi2 = one_of(file, "/instrument/stray_chi2");
+  stray.dof = one_of(file, "/instrument/stray_degrees_of_freedom");
+  stray.records = static_cast<std::size_t>(one_of(file, "/instrument/stray_records"));
+  Group group(file, "/stray_light/");
+  stray.wavelength_nm = group.numbers("wavelength_nm");
+  stray.even_per_sr = group.numbers("even_per_sr");
+  stray.forward_per_sr = group.numbers("forward_per_sr");
+  for (double measured : group.numbers("measured")) stray.measured.push_back(measured != 0 ? 1 : 0);
+  if (!stray.empty()) {
+    std::size_t rows = 0, columns = 0;
+    const auto covariance = file.matrix(stray_covariance, rows, columns);
+    const std::size_t expected = 2 * stray.wavelength_nm.size();
+    if (rows != expected || columns != expected)
+      file.fail(stray_covariance,
+                fmt::format("is {} x {}, not {} x {}", rows, columns, expected, expected));
+    const auto side = static_cast<Eigen::Index>(expected);
+    stray.covariance =
+        Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+            covariance.data(), side, side);
+  }
+  DeclaredDoubts& declared = calibration.declared;
+  declared.theta_i_zero_u_deg = one_of(file, "/declared/theta_i_zero_u_deg");
+  declared.theta_r_zero_u_deg = one_of(file, "/declared/theta_r_zero_u_deg");
+  declared.aperture_half_angle_deg = one_of(file, "/declared/aperture_half_angle_deg");
+  declared.solid_angle_relative_u = one_of(file, "/declared/solid_angle_relative_u");
 }
 
 void read_ranges(const formats::Hdf5Reader& file, Calibration& calibration) {
@@ -275,7 +450,7 @@ void read_ranges(const formats::Hdf5Reader& file, Calibration& calibration) {
 
   Group systematics(file, "/systematics/");
   const auto kind = systematics.texts("kind");
-  const auto concerned = systematics.numbers("gain");
+  const auto concerned = systematics.numbers("gain"), cause = systematics.numbers("cause");
   std::vector<std::vector<double>> shift;
   for (const WavelengthCalibration& entry : calibration.wavelengths) {
     shift.push_back(file.doubles(per_wavelength("/systematics/shift", entry)));
@@ -284,10 +459,16 @@ void read_ranges(const formats::Hdf5Reader& file, Calibration& calibration) {
   }
   for (std::size_t k = 0; k < kind.size(); ++k) {
     Systematic systematic;
-    if (kind[k] != "dark" && kind[k] != "range")
-      file.fail("/systematics/kind", "is unknown: " + kind[k]);
-    systematic.kind = kind[k] == "dark" ? Systematic::Kind::dark : Systematic::Kind::range;
+    const auto known =
+        std::find_if(kind_names.begin(), kind_names.end(),
+                     [&](const auto& entry) { return kind[k] == entry.second; });
+    if (known == kind_names.end()) file.fail("/systematics/kind", "is unknown: " + kind[k]);
+    systematic.kind = known->first;
     systematic.gain = concerned[k];
+    systematic.cause = static_cast<std::size_t>(cause[k]);
+    if (systematic.kind == Systematic::Kind::stray &&
+        systematic.cause >= 2 * calibration.stray.wavelength_nm.size())
+      file.fail("/systematics/cause", "has no stray light that it belongs to");
     for (std::size_t w = 0; w < shift.size(); ++w) {
       const Eigen::Index m = calibration.wavelengths[w].parameters();
       systematic.shift.emplace_back(Eigen::Map<const Eigen::VectorXd>(
@@ -295,6 +476,42 @@ void read_ranges(const formats::Hdf5Reader& file, Calibration& calibration) {
     }
     calibration.systematics.push_back(std::move(systematic));
   }
+}
+
+std::optional<PolarizationCalibration> read_polarization(const formats::Hdf5Reader& file) {
+  if (!file.has("/polarization")) return std::nullopt;
+  PolarizationCalibration polarization;
+  Group group(file, "/polarization/");
+  const auto records = group.numbers("records"), rejected = group.numbers("rejected");
+  polarization.wavelengths.resize(group.size());
+  for_each_polarization_column([&](const char* name, const char*, auto member) {
+    const auto values = group.numbers(name);
+    for (std::size_t w = 0; w < values.size(); ++w) polarization.wavelengths[w].*member = values[w];
+  });
+  for (std::size_t w = 0; w < records.size(); ++w) {
+    polarization.wavelengths[w].records = static_cast<std::size_t>(records[w]);
+    polarization.wavelengths[w].rejected = static_cast<std::size_t>(rejected[w]);
+  }
+  Group mirror(file, "/mirror/");
+  const auto sample = mirror.texts("sample"), index = mirror.texts("index");
+  if (mirror.size() != 1) file.fail("/mirror/sample", "has not one entry");
+  polarization.mirror = sample.front();
+  polarization.index = index.front();
+  for_each_mirror_geometry([&](const char* name, auto member) {
+    polarization.*member = mirror.numbers(name).front();
+  });
+  polarization.notes = file.texts("/mirror/notes");
+  std::size_t rows = 0, columns = 0;
+  const auto covariance = file.matrix(polarization_covariance, rows, columns);
+  const std::size_t side = polarization.wavelengths.size() * polarization_parameters;
+  if (rows != side || columns != side)
+    file.fail(polarization_covariance,
+              fmt::format("is {} x {}, not {} x {}", rows, columns, side, side));
+  const auto n = static_cast<Eigen::Index>(side);
+  polarization.covariance =
+      Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+          covariance.data(), n, n);
+  return polarization;
 }
 
 }  // namespace
@@ -331,17 +548,15 @@ Calibration read_calibration(const std::filesystem::path& path) {
   const formats::Hdf5Reader file(bytes, path.string());
   Calibration calibration;
   formats::read_h5_header(file, format_name, calibration.keys);
-  const auto one = [&file](const std::string& name) {
-    const auto values = file.doubles(name);
-    if (values.size() != 1) file.fail(name, "has not one entry");
-    return values.front();
-  };
-  calibration.solid_angle_sr = one("/instrument/solid_angle_sr");
-  calibration.shape_u = one("/instrument/reference_shape_u");
-  calibration.retro_shadow_deg = one("/instrument/retro_shadow_deg");
-  calibration.ranges.tolerance = one("/instrument/range_tolerance");
+  calibration.solid_angle_sr = one_of(file, "/instrument/solid_angle_sr");
+  calibration.shape_amplitude = one_of(file, "/instrument/reference_shape");
+  calibration.shape_u = one_of(file, "/instrument/reference_shape_u");
+  calibration.retro_shadow_deg = one_of(file, "/instrument/retro_shadow_deg");
+  calibration.ranges.tolerance = one_of(file, "/instrument/range_tolerance");
   read_wavelengths(file, calibration);
+  read_light(file, calibration);
   read_ranges(file, calibration);
+  calibration.polarization = read_polarization(file);
   Group checks(file, "/checks/");
   const auto standard = checks.texts("standard");
   const auto wavelength = checks.numbers("wavelength_nm"), stated = checks.numbers("stated"),
@@ -350,6 +565,16 @@ Calibration read_calibration(const std::filesystem::path& path) {
   for (std::size_t k = 0; k < standard.size(); ++k)
     calibration.checks.push_back(
         {standard[k], wavelength[k], stated[k], computed[k], computed_u[k], used[k] != 0});
+  Group reciprocity(file, "/reciprocity/");
+  for (const std::string& sample : reciprocity.texts("sample"))
+    calibration.reciprocity.push_back({.sample = sample});
+  const auto pairs = reciprocity.numbers("pairs");
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    calibration.reciprocity[k].pairs = static_cast<std::size_t>(pairs[k]);
+  for (const auto& [column, member] : reciprocity_columns) {
+    const auto values = reciprocity.numbers(column);
+    for (std::size_t k = 0; k < values.size(); ++k) calibration.reciprocity[k].*member = values[k];
+  }
   Group inputs(file, "/inputs/");
   const auto name = inputs.texts("name"), role = inputs.texts("role"),
              sha256 = inputs.texts("sha256");

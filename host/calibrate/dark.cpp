@@ -5,6 +5,8 @@
 #include <functional>
 #include <map>
 
+#include <Eigen/Dense>
+
 namespace umov::calibrate {
 
 namespace {
@@ -54,6 +56,62 @@ DarkLevel level_of(const formats::ScanTable& scan, const NoiseModel& noise, doub
   return {gain, mean_x.value, mean_x.u, mean_y.value, mean_y.u, rows.size()};
 }
 
+/// The part of Y that does not go with X, by range: a lock-in phase puts a share of the signal into
+/// Y, one of its own at each wavelength and the same in all ranges, where an offset of the
+/// electronics stands still. Least squares, widened by its scatter.
+std::map<double, Mean> quadrature_offsets(const formats::ScanTable& scan, const NoiseModel& noise,
+                                          const std::map<double, std::vector<std::size_t>>& lit) {
+  const auto lines = static_cast<Eigen::Index>(noise.entries.size());
+  const auto size = lines + static_cast<Eigen::Index>(lit.size());
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(size, size);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(size);
+  const auto visit = [&](auto&& take) {
+    Eigen::Index offset = lines;
+    for (const auto& [gain, rows] : lit) {
+      for (std::size_t i : rows) {
+        const NoiseModel::Entry& entry = noise.at(scan.wavelength_nm[i]);
+        take(i, offset, &entry - noise.entries.data(),
+             1.0 / noise.variance_y(entry.wavelength_nm, gain, scan.x_v[i]));
+      }
+      ++offset;
+    }
+  };
+  std::size_t records = 0;
+  visit([&](std::size_t i, Eigen::Index offset, Eigen::Index line, double w) {
+    const double x = scan.x_v[i];
+    normal(line, line) += w * x * x;
+    normal(offset, offset) += w;
+    normal(line, offset) += w * x;
+    normal(offset, line) += w * x;
+    right(line) += w * x * scan.y_v[i];
+    right(offset) += w * scan.y_v[i];
+    ++records;
+  });
+  // Signals of one size alone tell no slope; it is then taken as nearly none.
+  const Eigen::VectorXd unit = normal.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+  Eigen::MatrixXd scaled = unit.asDiagonal() * normal * unit.asDiagonal();
+  scaled.topLeftCorner(lines, lines).diagonal().array() += 1e-6;
+  const Eigen::LDLT<Eigen::MatrixXd> solver(scaled);
+  const Eigen::VectorXd solution = unit.cwiseProduct(solver.solve(unit.cwiseProduct(right)));
+  const Eigen::MatrixXd covariance =
+      unit.asDiagonal() * solver.solve(Eigen::MatrixXd::Identity(size, size)) * unit.asDiagonal();
+  double chi2 = 0;
+  visit([&](std::size_t i, Eigen::Index offset, Eigen::Index line, double w) {
+    const double r = scan.y_v[i] - solution(offset) - solution(line) * scan.x_v[i];
+    chi2 += w * r * r;
+  });
+  const double dof = static_cast<double>(records) - static_cast<double>(size);
+  const double widening = dof > 0 ? std::max(1.0, chi2 / dof) : 1.0;
+  std::map<double, Mean> result;
+  Eigen::Index offset = lines;
+  for (const auto& [gain, rows] : lit) {
+    result[gain] = {solution(offset), std::sqrt(widening * covariance(offset, offset)),
+                    rows.size()};
+    ++offset;
+  }
+  return result;
+}
+
 }  // namespace
 
 DarkLevel Dark::at(double gain) const {
@@ -80,16 +138,9 @@ Dark find_dark(const formats::ScanTable& scan, const ScanRows& set_up, const Noi
   const auto lit = by_range(scan, [&](std::size_t i) { return set_up.row[i] == RowUse::plain; });
   std::map<double, DarkLevel> levels;
   for (const auto& [gain, rows] : closed) levels[gain] = level_of(scan, noise, gain, rows);
-  for (const auto& [gain, rows] : lit) {
+  for (const auto& [gain, quadrature] : quadrature_offsets(scan, noise, lit)) {
     if (levels.contains(gain)) continue;
-    // A lock-in phase puts part of strong signals into Y; take the weaker half of the records.
-    std::vector<std::size_t> weak = rows;
-    std::sort(weak.begin(), weak.end(), [&scan](std::size_t a, std::size_t b) {
-      return std::abs(scan.x_v[a]) < std::abs(scan.x_v[b]);
-    });
-    weak.resize((weak.size() + 1) / 2);
-    const DarkLevel quadrature = level_of(scan, noise, gain, weak);
-    const double size = std::max(std::abs(quadrature.y_v), quadrature.y_u);
+    const double size = std::max(std::abs(quadrature.value), quadrature.u);
     levels[gain] = {gain, 0.0, size, 0.0, size, 0};
   }
   for (const auto& [gain, level] : levels) dark.levels.push_back(level);
@@ -114,6 +165,30 @@ Dark merge(const Dark& first, const Dark& second) {
       result.levels.push_back(level);
   std::sort(result.levels.begin(), result.levels.end(),
             [](const DarkLevel& a, const DarkLevel& b) { return a.gain < b.gain; });
+  return result;
+}
+
+Dark pool(const std::vector<Dark>& scans) {
+  struct Levels {
+    std::vector<double> x, x2, y, y2;
+    std::size_t records = 0;
+  };
+  std::map<double, Levels> ranges;
+  for (const Dark& scan : scans)
+    for (const DarkLevel& level : scan.levels) {
+      if (level.records == 0) continue;
+      Levels& range = ranges[level.gain];
+      range.x.push_back(level.x_v);
+      range.x2.push_back(level.x_u * level.x_u);
+      range.y.push_back(level.y_v);
+      range.y2.push_back(level.y_u * level.y_u);
+      range.records += level.records;
+    }
+  Dark result;
+  for (const auto& [gain, range] : ranges) {
+    const Mean x = weighted_mean(range.x, range.x2), y = weighted_mean(range.y, range.y2);
+    result.levels.push_back({gain, x.value, x.u, y.value, y.u, range.records});
+  }
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -59,10 +60,14 @@ double monitor_scatter(const formats::ScanTable& scan, const ScanRows& set_up,
 /// Fits the relative term of x/monitor from repeats, the law's other terms held.
 void fit_repeats(const formats::ScanTable& scan, const ScanRows& set_up,
                  const std::vector<std::size_t>& rows, NoiseModel::Entry& entry) {
-  std::map<Geometry, std::vector<std::size_t>> groups;
+  // Another power is no repeat: it compares the detector's law and weighs another noise.
+  const auto power = [&scan](std::size_t i) {
+    return std::llround(std::log(scan.monitor_v[i]) / std::log(1.5));
+  };
+  std::map<std::pair<Geometry, long long>, std::vector<std::size_t>> groups;
   for (std::size_t i : rows)
     if (set_up.row[i] == RowUse::plain && scan.monitor_v[i] > 0)
-      groups[geometry(scan, i)].push_back(i);
+      groups[{geometry(scan, i), power(i)}].push_back(i);
   struct Group {
     double sum_squares, fixed, signal;
     double dof;
@@ -157,11 +162,33 @@ double NoiseModel::variance_y(double wavelength_nm, double gain, double signal_v
 double NoiseModel::variance_normalised(double wavelength_nm, double gain, double signal_v) const {
   const Entry& entry = at(wavelength_nm);
   NoiseLaw law = entry.x;
-  law.relative2 = std::isnan(entry.repeat_relative2)
-                      ? std::max(law.relative2, entry.monitor_relative * entry.monitor_relative)
-                      : entry.repeat_relative2;
+  law.relative2 = relative2_normalised(wavelength_nm);
   const double q = quantisation_v / gain;
   return with_floor(law.variance(signal_v, gain) + q * q / 12.0, signal_v);
+}
+
+double NoiseModel::relative2_normalised(double wavelength_nm) const {
+  const Entry& entry = at(wavelength_nm);
+  return std::isnan(entry.repeat_relative2)
+             ? std::max(entry.x.relative2, entry.monitor_relative * entry.monitor_relative)
+             : entry.repeat_relative2;
+}
+
+double NoiseModel::variance_floor(double wavelength_nm, double gain, double signal_v) const {
+  const double relative = relative2_normalised(wavelength_nm) * signal_v * signal_v;
+  return std::max(variance_normalised(wavelength_nm, gain, signal_v) - relative,
+                  with_floor(0.0, signal_v));
+}
+
+double NoiseModel::dof_normalised(double wavelength_nm, double gain, double signal_v) const {
+  const Entry& entry = at(wavelength_nm);
+  const double blocks = std::max(1.0, entry.x.dof * static_cast<double>(entry.x.rows));
+  if (std::isnan(entry.repeat_relative2)) return blocks;
+  const double relative = entry.repeat_relative2 * signal_v * signal_v;
+  const double all = variance_normalised(wavelength_nm, gain, signal_v);
+  const double floor = std::max(0.0, all - relative);
+  const double repeats = static_cast<double>(entry.repeat_dof);
+  return all * all / (floor * floor / blocks + relative * relative / repeats);
 }
 
 NoiseModel fit_noise(const formats::ScanTable& scan, const NoiseOptions& options) {

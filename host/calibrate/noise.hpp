@@ -64,6 +64,13 @@ class NoiseModel {
   /// and the monitor's (source noise that the monitor cancels cannot be told apart without
   /// repeats).
   double variance_normalised(double wavelength_nm, double gain, double signal_v) const;
+  /// The relative term of that variance alone, 1.
+  double relative2_normalised(double wavelength_nm) const;
+  /// That variance without its relative term, V².
+  double variance_floor(double wavelength_nm, double gain, double signal_v) const;
+  /// Degrees of freedom of that variance: the block scatter of all records of the wavelength for its
+  /// floor, the repeats for the relative part where they fixed it (Welch–Satterthwaite).
+  double dof_normalised(double wavelength_nm, double gain, double signal_v) const;
 };
 
 /// Fits the law of each wavelength to the block scatter of all unsaturated records, shutter-closed

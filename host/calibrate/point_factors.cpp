@@ -53,14 +53,68 @@ class Collector {
   const Calibration& calibration_;
 };
 
-std::string statistics_name(const WavelengthCalibration& entry, Eigen::Index column) {
+/// What a systematic quantity does to a point through the standard's scan.
+double shift_through_standard(const Collector& collector, const Systematic& systematic,
+                              const PointOrigin& origin, double brdf, std::size_t i) {
+  return brdf * collector.log_shift(i, systematic.shift[origin.wavelength]);
+}
+
+void add_stray_light(Collector& collector, const formats::BrdfTable::Points& points,
+                     const std::vector<PointOrigin>& origin, const Calibration& calibration) {
+  const Eigen::MatrixXd shifts = calibration.stray.shifts();
+  for (const Systematic& s : calibration.systematics) {
+    if (s.kind != Systematic::Kind::stray) continue;
+    const Eigen::VectorXd column = shifts.col(static_cast<Eigen::Index>(s.cause));
+    collector.add(fmt::format("stray light {}", s.cause + 1), [&](std::size_t i) {
+      const double level = calibration.stray.level_shift(
+          column, points.wavelength_nm[i], points.theta_r_deg[i], points.phi_r_deg[i]);
+      return shift_through_standard(collector, s, origin[i], points.brdf_per_sr[i], i) -
+             origin[i].per_volt * origin[i].stray_v * level;
+    });
+  }
+}
+
+void add_declared(Collector& collector, const formats::BrdfTable::Points& points,
+                  const std::vector<PointOrigin>& origin, const Calibration& calibration) {
+  const DeclaredDoubts& declared = calibration.declared;
+  if (declared.solid_angle_relative_u > 0)
+    collector.add("solid angle", [&](std::size_t i) {
+      return origin[i].other_solid_angle ? points.brdf_per_sr[i] * declared.solid_angle_relative_u
+                                         : 0.0;
+    });
+  if (!(declared.theta_i_zero_u_deg > 0 || declared.theta_r_zero_u_deg > 0 ||
+        declared.aperture_half_angle_deg > 0))
+    return;
+  const AngleSlopes slopes = angle_slopes(points);
+  if (declared.theta_r_zero_u_deg > 0)
+    collector.add("detector zero", [&](std::size_t i) {
+      double shift = slopes.detector[i] * declared.theta_r_zero_u_deg;
+      for (const Systematic& s : calibration.systematics)
+        if (s.kind == Systematic::Kind::detector_zero)
+          shift += shift_through_standard(collector, s, origin[i], points.brdf_per_sr[i], i);
+      return shift;
+    });
+  if (declared.theta_i_zero_u_deg > 0)
+    collector.add("incidence zero", [&](std::size_t i) {
+      return slopes.incidence[i] * declared.theta_i_zero_u_deg;
+    });
+  if (declared.aperture_half_angle_deg > 0)
+    // The mean over a disc exceeds the middle by a²/8 times the Laplacian; across the plane the BRDF
+    // is taken to curve as it does in it.
+    collector.add("aperture", [&](std::size_t i) {
+      const double a = declared.aperture_half_angle_deg;
+      return 0.25 * a * a * slopes.curvature[i];
+    });
+}
+
+}  // namespace
+
+std::string statistics_factor_name(const WavelengthCalibration& entry, Eigen::Index column) {
   if (column == 0) return fmt::format("gain {:g} nm", entry.wavelength_nm);
   if (column <= static_cast<Eigen::Index>(entry.instrument_function.degrees.size()))
     return fmt::format("instrument function {:g} nm {}", entry.wavelength_nm, column);
   return fmt::format("detector bias {:g} nm", entry.wavelength_nm);
 }
-
-}  // namespace
 
 std::vector<Factor> point_factors(const formats::BrdfTable::Points& points,
                                   const std::vector<PointOrigin>& origin,
@@ -73,7 +127,7 @@ std::vector<Factor> point_factors(const formats::BrdfTable::Points& points,
     const Eigen::MatrixXd lower = Eigen::LLT<Eigen::MatrixXd>(entry.covariance).matrixL();
     for (Eigen::Index k = 0; k < lower.cols(); ++k) {
       const Eigen::VectorXd shift = lower.col(k);
-      collector.add(statistics_name(entry, k), [&](std::size_t i) {
+      collector.add(statistics_factor_name(entry, k), [&](std::size_t i) {
         return origin[i].wavelength == w ? points.brdf_per_sr[i] * collector.log_shift(i, shift)
                                          : 0.0;
       });
@@ -114,7 +168,16 @@ std::vector<Factor> point_factors(const formats::BrdfTable::Points& points,
   };
   for (const Systematic& s : calibration.systematics) gains.insert(s.gain);
   for (const RangeError& range : calibration.ranges.ranges) gains.insert(range.gain);
-  const Eigen::MatrixXd range_shifts = calibration.ranges.shifts();
+  const Eigen::MatrixXd electronics =
+      electronics_shifts(calibration.ranges, calibration.nonlinearity);
+  // Column `cause` of the electronics' errors at a point: d f/f of its range's error and of κ.
+  const auto electronic_shift = [&](Eigen::Index cause, std::size_t i) {
+    const Eigen::Index row = calibration.ranges.number(origin[i].gain);
+    const double error = row < 0 ? 0.0 : electronics(row, cause);
+    const double kappa = electronics(electronics.rows() - 1, cause);
+    const double signal = origin[i].signal_v;
+    return origin[i].per_volt * signal * (kappa * signal - error);
+  };
   for (double gain : gains) {
     collector.add(fmt::format("dark range {:g}", gain), [&](std::size_t i) {
       double shift = through_standard(Systematic::Kind::dark, gain, i);
@@ -130,14 +193,19 @@ std::vector<Factor> point_factors(const formats::BrdfTable::Points& points,
     const Eigen::Index column = calibration.ranges.number(gain);
     collector.add(fmt::format("gain range {:g}", gain), [&](std::size_t i) {
       double shift = through_standard(Systematic::Kind::range, gain, i);
-      const Eigen::Index row = calibration.ranges.number(origin[i].gain);
-      if (row >= 0 && column >= 0)
-        shift -= points.brdf_per_sr[i] * range_shifts(row, column);
+      if (column >= 0)
+        shift += electronic_shift(column, i);
       else if (origin[i].gain == gain)
         shift -= points.brdf_per_sr[i] * calibration.ranges.at(gain).u;
       return shift;
     });
   }
+  collector.add("detector nonlinearity", [&](std::size_t i) {
+    return through_standard(Systematic::Kind::nonlinearity, 0, i) +
+           electronic_shift(electronics.cols() - 1, i);
+  });
+  add_stray_light(collector, points, origin, calibration);
+  add_declared(collector, points, origin, calibration);
   return collector.factors;
 }
 

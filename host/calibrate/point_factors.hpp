@@ -2,6 +2,7 @@
 // every calibration quantity.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "host/calibrate/calibration.hpp"
@@ -17,15 +18,24 @@ struct PointOrigin {
   double bias_lever = 0;  ///< the signal goes with 1 + δ lever; divided out where δ is applied
   double open_bias = 0;   ///< unknown lever of an open analyser: one standard deviation of Q/I
   bool own_dark = false;  ///< dark level measured in the scan itself
+  double signal_v = 0;    ///< true signal, V of range 1
+  double stray_v = 0;     ///< volts of stray light per level, V sr: C a ΔΩ monitor
+  bool other_solid_angle = false;  ///< another one than the standard was measured with
+  double noise_dof = 0;   ///< degrees of freedom of the noise of this record
 };
 
 /// Factors of the points of `table` (in the order of `origin`). Left out are those that nobody
 /// could see in these points: Σ (shift/u)² < .003 over all of them. Names: "gain 532 nm",
 /// "instrument function 532 nm 1" …, "detector bias 532 nm", "reference standard", "reference
-/// shape", "dark range 100", "scan dark range 100", "gain range 100".
+/// shape", "dark range 100", "scan dark range 100", "gain range 100", "detector nonlinearity",
+/// "stray light 1" …, and of declared doubts "detector zero", "incidence zero", "aperture", "solid
+/// angle".
 std::vector<formats::BrdfTable::Factor> point_factors(const formats::BrdfTable::Points& points,
                                                       const std::vector<PointOrigin>& origin,
                                                       const Calibration& calibration,
                                                       const Dark& scan_dark);
+
+/// Name of the factor of column `column` of a gain's covariance.
+std::string statistics_factor_name(const WavelengthCalibration& entry, Eigen::Index column);
 
 }  // namespace umov::calibrate

@@ -7,9 +7,11 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "host/calibrate/dhr.hpp"
 #include "host/calibrate/dolp.hpp"
+#include "host/calibrate/ideal_states.hpp"
 #include "host/calibrate/point_factors.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/order_statistics.hpp"
@@ -20,6 +22,8 @@ namespace umov::calibrate {
 namespace {
 
 constexpr double degree = optics::radians(1.0);
+/// Relative difference of solid angles that comes from printing them.
+constexpr double same_solid_angle = 1e-6;
 
 /// Dark of the scan itself where it has shutter-closed rows, else the calibration's. Where neither
 /// was measured, the scan's own estimate of the uncertainty stands.
@@ -140,7 +144,10 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
     const DarkChoice dark = choose_dark(own_dark, calibration.dark, gain);
     o.own_dark = dark.own;
 
-    if (formats::is_open(scan.analyzer_deg[i])) {
+    const bool true_states = has_true_states(calibration, o.wavelength);
+    if (true_states) {
+      // δ is taken out with everything else that the mirror scan knows.
+    } else if (formats::is_open(scan.analyzer_deg[i])) {
       const auto found = analysed.find(key_of(scan, i));
       if (found != analysed.end() && found->second.s > 0 && found->second.p > 0)
         o.bias_lever = (found->second.s - found->second.p) / (found->second.s + found->second.p);
@@ -159,12 +166,22 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
 
     const double volts = (scan.x_v[i] - dark.level.x_v) * std::cos(entry.phase_rad) +
                          (scan.y_v[i] - dark.level.y_v) * std::sin(entry.phase_rad);
+    const double true_part = 1.0 + calibration.ranges.at(gain).error;
+    o.signal_v = calibration.nonlinearity.true_signal(volts / true_part);
+    o.stray_v = entry.gain_constant_v * stray_share(scan.analyzer_deg[i]) * solid_angle *
+                scan.monitor_v[i];
     o.per_volt = correction / (entry.gain_constant_v * solid_angle * scan.monitor_v[i] * cosine *
-                               response * (1.0 + calibration.ranges.at(gain).error));
-    const double f = volts * o.per_volt;
-    const double sd =
-        std::sqrt(noise.variance_normalised(scan.wavelength_nm[i], gain, scan.x_v[i]));
-    const double u = sd * o.per_volt;
+                               response);
+    o.other_solid_angle =
+        std::abs(solid_angle / calibration.solid_angle_sr - 1.0) > same_solid_angle;
+    const double stray =
+        calibration.stray.level(scan.wavelength_nm[i], theta_r, scan.phi_r_deg[i]);
+    const double f = (o.signal_v - o.stray_v * stray) * o.per_volt;
+    const double sd = std::sqrt(record_variance(noise, entry, gain, scan.x_v[i]));
+    o.noise_dof = entry.record_scatter > 0
+                      ? entry.dof
+                      : noise.dof_normalised(scan.wavelength_nm[i], gain, scan.x_v[i]);
+    const double u = sd * o.per_volt / true_part;
 
     bool used = true;
     if (scan.saturated[i] != 0) {
@@ -199,6 +216,11 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
                 "give a scan with rows outside of the blocks that change the set-up");
   summary.points = points.size();
   table.factors = point_factors(points, origin, calibration, own_dark);
+  result.origin = origin;
+  std::vector<std::size_t> wavelength;
+  for (const PointOrigin& o : origin) wavelength.push_back(o.wavelength);
+  for (std::string& note : to_ideal_states(table, wavelength, calibration))
+    summary.notes.push_back(std::move(note));
   table.keys = scan.keys;
   for (const auto& [name, value] : calibration.keys)
     table.keys.emplace_back("calibration_" + name, value);
@@ -216,6 +238,20 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
       summary.notes.push_back(
           fmt::format("{} of {} DOLP values are divided by PP + PS, as PU was not measured there",
                       count.summed, count.summed + count.measured));
+  }
+  if (options.mueller) {
+    table.mueller = find_mueller(table, options.mueller_partial, summary.mueller);
+    if (!summary.mueller.undetermined.empty())
+      summary.notes.push_back(fmt::format(
+          "{} of {} directions have states for all nine linear Mueller elements; not determined "
+          "somewhere: {}",
+          summary.mueller.complete, summary.mueller.directions,
+          fmt::join(summary.mueller.undetermined, ", ")));
+    if (summary.mueller.unphysical > 0)
+      summary.notes.push_back(fmt::format(
+          "the Mueller elements of {} directions are unphysical by more than three standard "
+          "errors: look for an instrument error that no uncertainty covers",
+          summary.mueller.unphysical));
   }
   if (options.dhr) {
     DhrOptions dhr_options;

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "host/calibrate/calibration.hpp"
+#include "host/calibrate/mueller.hpp"
+#include "host/calibrate/point_factors.hpp"
 #include "host/formats/brdf_table.hpp"
 #include "host/formats/scan_table.hpp"
 
@@ -18,12 +20,16 @@ struct ReduceOptions {
   /// |θi| up to this counts as normal incidence for the DHR.
   double normal_incidence_within_deg = 1.0;
   bool dolp = true, dhr = true;
+  /// Mueller elements where there are oblique states (±45°); also the four that P and S give where
+  /// `mueller_partial`.
+  bool mueller = true, mueller_partial = false;
 };
 
 struct ReduceSummary {
   std::size_t records = 0, points = 0, excluded = 0;
   std::size_t saturated = 0, outside_instrument_function = 0, below_noise = 0, in_shadow = 0;
   std::size_t dolp = 0, dolp_skipped = 0;
+  MuellerSummary mueller;
   double median_relative_u = 0;        ///< of used points, independent part
   double median_relative_total_u = 0;  ///< with the shared factors
   std::vector<std::string> notes;
@@ -31,11 +37,12 @@ struct ReduceSummary {
 
 struct Reduction {
   formats::BrdfTable table;
+  std::vector<PointOrigin> origin;  ///< of each point
   ReduceSummary summary;
 };
 
-/// f = (X cosφ + Y sinφ - dark) IF(θr) / ((1 + e_g) C ΔΩ monitor cosθr D) for every row of the
-/// plain set-up. `used` is 0 where the record is saturated, where IF is not known, where the
+/// f = (S - C a L ΔΩ monitor) IF(θr) / (C ΔΩ monitor cosθr D), S the true signal behind (X cosφ + Y
+/// sinφ - dark)/(1 + e_g) = S/(1 + κS), for every row of the plain set-up. `used` is 0 where the record is saturated, where IF is not known, where the
 /// detector may stand in the beam (Calibration::retro_shadow_deg). Points below their noise, of
 /// either sign, are counted but used: a choice by value would bias weak signals upwards. `brdf_u`
 /// is the independent part (noise law of the scan, monitor included); all that the

@@ -123,7 +123,13 @@ formats::BrdfTable parse_csv(const std::string& text, const std::string& name) {
 
 formats::BrdfTable read_reference_table(const std::filesystem::path& path) {
   const std::string bytes = formats::read_whole_file(path);
-  if (formats::looks_like_hdf5(bytes)) return formats::read_brdf_h5(path).table;
+  if (formats::looks_like_hdf5(bytes)) {
+    formats::BrdfTable table = formats::read_brdf_h5(path).table;
+    // Full matrices give every state, its points only the independent ones.
+    if (table.mueller && table.mueller->side == 4)
+      return formats::to_brdf_table(formats::mueller_table(table), formats::standard_states());
+    return table;
+  }
   if (bytes.starts_with("lambda,thetai")) {
     std::istringstream in(bytes);
     return formats::to_brdf_table(formats::read_nist_ptfe(in, path.string()),

@@ -213,7 +213,8 @@ std::optional<double> ReferenceStandard::brdf(double theta_i_deg, double theta_r
     return table_->value(theta_i_deg, theta_r_deg, wavelength_nm, polarizer_deg, analyzer_deg);
   }
   const auto stated = dhr(wavelength_nm);
-  return stated ? std::optional(share * *stated * std::numbers::inv_pi) : std::nullopt;
+  if (!stated) return std::nullopt;
+  return share * *stated * std::numbers::inv_pi * (1.0 + shape_amplitude_ * shape(theta_r_deg));
 }
 
 std::optional<double> ReferenceStandard::dhr(double wavelength_nm) const {
@@ -227,6 +228,12 @@ double ReferenceStandard::relative_u(double wavelength_nm) const {
   for (const Stated& s : stated_)
     if (std::abs(s.wavelength_nm - wavelength_nm) < 0.5) return s.relative_u;
   return 0;
+}
+
+void ReferenceStandard::set_shape(double amplitude, double u) {
+  if (tabulated()) return;
+  shape_amplitude_ = amplitude;
+  shape_u_ = u;
 }
 
 bool ReferenceStandard::polarised() const {

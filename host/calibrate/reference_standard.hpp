@@ -42,6 +42,11 @@ class ReferenceStandard {
   /// Relative one-sigma uncertainty of the scale, common to all wavelengths.
   double relative_u(double wavelength_nm) const;
   double shape_u() const { return shape_u_; }
+  /// Amplitude of `shape` that the standard is taken to have; 0 = Lambert's law.
+  double shape_amplitude() const { return shape_amplitude_; }
+  /// Replaces Lambert's law by an amplitude found elsewhere, with its uncertainty. A tabulated
+  /// standard stays as it is.
+  void set_shape(double amplitude, double u);
   double retention_u() const { return retention_u_; }
   /// One-sigma Q/I of the standard's light; 0 where a polarised table tells it.
   double polarization_u() const { return polarised() ? 0.0 : polarization_u_; }
@@ -60,6 +65,7 @@ class ReferenceStandard {
   std::vector<Stated> stated_;
   std::shared_ptr<const Table> table_;
   double table_relative_u_ = 0;
+  double shape_amplitude_ = 0;
   double shape_u_ = 0;
   double retention_u_ = 0;
   double polarization_u_ = 0;

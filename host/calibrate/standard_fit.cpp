@@ -44,6 +44,7 @@ class Evaluator {
       };
       if (model_.bias) lever(row.bias_lever);
       if (model_.retention_u > 0) lever(row.retention_lever);
+      if (model_.polarization_u > 0) lever(row.bias_lever);
       signal_v(i) = std::exp(log_signal(i)) * row.base * factor;
     }
   }
@@ -59,9 +60,19 @@ class Evaluator {
 std::optional<StandardFit> try_fit(const std::vector<StandardRow>& rows,
                                    const StandardModel& model) {
   const auto n = static_cast<Eigen::Index>(rows.size());
-  const Eigen::Index m = 1 + static_cast<Eigen::Index>(model.degrees.size()) +
-                         (model.bias ? 1 : 0) + (model.retention_u > 0 ? 1 : 0);
-  if (n + (model.retention_u > 0 ? 1 : 0) < m) return std::nullopt;
+  const Eigen::Index first_lever = 1 + static_cast<Eigen::Index>(model.degrees.size());
+  const Eigen::Index m = first_lever + model.levers();
+  Eigen::VectorXd prior_mean = Eigen::VectorXd::Zero(m), prior_weight = Eigen::VectorXd::Zero(m);
+  const auto weight = [](double u) { return u > 0 ? 1.0 / (u * u) : 0.0; };
+  Eigen::Index lever = first_lever, priors = 0;
+  if (model.bias) {
+    prior_mean(lever) = model.bias_prior;
+    prior_weight(lever++) = weight(model.bias_prior_u);
+  }
+  if (model.retention_u > 0) prior_weight(lever++) = weight(model.retention_u);
+  if (model.polarization_u > 0) prior_weight(lever++) = weight(model.polarization_u);
+  for (Eigen::Index k = 0; k < m; ++k) priors += prior_weight(k) > 0 ? 1 : 0;
+  if (n + priors < m) return std::nullopt;
   StandardFit fit;
   fit.model = model;
   fit.parameters = Eigen::VectorXd::Zero(m);
@@ -73,7 +84,6 @@ std::optional<StandardFit> try_fit(const std::vector<StandardRow>& rows,
 
   Eigen::MatrixXd jacobian(n, m), normal(m, m), inverse(m, m);
   Eigen::VectorXd residual(n);
-  const double prior = model.retention_u > 0 ? 1.0 / (model.retention_u * model.retention_u) : 0.0;
   Evaluator evaluator(rows, model, m);
   const auto linearise = [&] {
     evaluator.at(fit.parameters);
@@ -84,7 +94,7 @@ std::optional<StandardFit> try_fit(const std::vector<StandardRow>& rows,
       jacobian.row(i) = evaluator.signal_v(i) / sd * evaluator.log_gradient.row(i);
     }
     normal = jacobian.transpose() * jacobian;
-    if (prior > 0) normal(m - 1, m - 1) += prior;
+    normal.diagonal() += prior_weight;
   };
   for (int iteration = 0; iteration < 30; ++iteration) {
     linearise();
@@ -95,8 +105,9 @@ std::optional<StandardFit> try_fit(const std::vector<StandardRow>& rows,
     const Eigen::FullPivLU<Eigen::MatrixXd> lu(unit.asDiagonal() * normal * unit.asDiagonal());
     if (lu.rcond() < 1e-12) return std::nullopt;
     inverse = unit.asDiagonal() * lu.inverse() * unit.asDiagonal();
-    Eigen::VectorXd gradient = jacobian.transpose() * residual;
-    if (prior > 0) gradient(m - 1) -= prior * fit.parameters(m - 1);
+    const Eigen::VectorXd gradient =
+        jacobian.transpose() * residual -
+        prior_weight.cwiseProduct(fit.parameters - prior_mean);
     const Eigen::VectorXd step = inverse * gradient;
     fit.parameters += step;
     if (step.cwiseAbs().maxCoeff() < 1e-10) break;
@@ -104,7 +115,7 @@ std::optional<StandardFit> try_fit(const std::vector<StandardRow>& rows,
   linearise();
   if (!fit.parameters.allFinite()) return std::nullopt;
   fit.chi2 = residual.squaredNorm();
-  fit.dof = static_cast<double>(n - m + (prior > 0 ? 1 : 0));
+  fit.dof = static_cast<double>(n - m + priors);
   const double widening = fit.dof > 0 ? std::max(1.0, fit.chi2 / fit.dof) : 1.0;
   fit.covariance = widening * inverse;
   fit.response = inverse * jacobian.transpose();

@@ -14,10 +14,14 @@ struct StandardRow {
   double variance = 1;  ///< V², monitor included
   double base = 0;      ///< f cosθr ΔΩ monitor of the standard: the signal is C base /IF …
   double theta_r_deg = 0;
+  double phi_r_deg = 0;
+  double stray_base = 0;       ///< a ΔΩ monitor: stray light of level L brings C L times this
+  double volts_per_stray = 0;  ///< C times that, once C is known
   double from_retro_deg = 90;  ///< angle between exit direction and the way back to the source
   double gain = 1;
   double bias_lever = 0;       ///< the signal goes with 1 + δ lever
   double retention_lever = 0;  ///< and with 1 + m lever, m the polarisation that the standard keeps
+  double polarizer_deg = 0, analyzer_deg = 0;
 };
 
 struct StandardModel {
@@ -25,9 +29,20 @@ struct StandardModel {
   double reference_deg = 0;
   bool bias = false;
   double retention_u = 0;  ///< prior of m, one sigma; 0 = m is not fitted
+  /// What is known of δ beforehand; bias_prior_u 0 = nothing.
+  double bias_prior = 0, bias_prior_u = 0;
+  /// Prior of the standard's own polarisation, which looks like δ; 0 = it is not fitted. Used beside
+  /// a prior of δ, which tells the two apart.
+  double polarization_u = 0;
+
+  /// Parameters beyond ln C and the instrument function.
+  int levers() const {
+    return (bias ? 1 : 0) + (retention_u > 0 ? 1 : 0) + (polarization_u > 0 ? 1 : 0);
+  }
 };
 
-/// Parameters: ln C, instrument-function coefficients, δ (if fitted), m (if fitted).
+/// Parameters: ln C, instrument-function coefficients, δ, m, the standard's own polarisation (each
+/// if fitted).
 struct StandardFit {
   StandardModel model;
   Eigen::VectorXd parameters;

@@ -1,8 +1,6 @@
 // umov calibrate: gain, instrument function, dark and phase from scans of standards.
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,34 +8,38 @@
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
 #include "host/calibrate/calibration.hpp"
 #include "host/calibrate/calibration_file.hpp"
+#include "host/calibrate/campaign.hpp"
 #include "host/calibrate/standard_file.hpp"
+#include "host/cli/calibration_text.hpp"
 #include "host/cli/command.hpp"
 #include "host/cli/output_file.hpp"
+#include "host/cli/polarization_text.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/scan_h5.hpp"
 #include "host/formats/sha256.hpp"
-#include "host/optics/angles.hpp"
 
 namespace umov::cli {
 namespace {
 
 struct Options {
   std::vector<std::string> files;
+  std::string campaign;
   std::string output;
   std::string standard;
   std::string reference_brdf;
   std::string bias = "auto";
   int max_degree = 8;
   double range_tolerance = 1e-3;
+  std::string mirror_index = calibrate::PolarizationOptions{}.index;
 };
 
 struct Inputs {
   std::vector<calibrate::StandardScan> standards;
   std::vector<formats::ScanTable> dark;
+  std::vector<std::pair<std::string, formats::ScanTable>> mirrors;  ///< with the file's name
   std::vector<calibrate::CalibrationInput> others;  ///< dark and mirror scans
   std::vector<std::string> notes;
 };
@@ -58,8 +60,7 @@ Inputs read_inputs(const Options& options) {
       if (role == "dark")
         inputs.dark.push_back(std::move(scan));
       else
-        inputs.notes.push_back(fmt::format(
-            "{}: mirror scans are recorded, but polariser axes are not derived from them", file));
+        inputs.mirrors.emplace_back(file, std::move(scan));
     } else {
       throw Error(Place{file},
                   role.empty() ? "the scan has no key `role`"
@@ -84,119 +85,29 @@ std::size_t choose_standard(const std::vector<calibrate::StandardScan>& standard
   throw Error(fmt::format("no standard is named `{}`", wanted), "choose one of: " + known);
 }
 
-struct Spread {
-  double low = 1, high = 1;
-};
-
-Spread spread_of(const calibrate::InstrumentFunction& function) {
-  Spread spread{std::numeric_limits<double>::infinity(), 0};
-  for (double t = function.min_deg; t <= function.max_deg; t += 0.5) {
-    spread.low = std::min(spread.low, function.value(t));
-    spread.high = std::max(spread.high, function.value(t));
-  }
-  return spread;
+/// The campaign's calibration; files named on the command line take the place of its list.
+calibrate::Calibration evaluate(const Options& options, std::vector<std::string>& inputs,
+                                CalibrationView& view) {
+  calibrate::CampaignOptions campaign = calibrate::read_campaign(options.campaign);
+  if (!options.files.empty())
+    campaign.scans.assign(options.files.begin(), options.files.end());
+  if (!options.standard.empty()) campaign.standard = options.standard;
+  const auto scans = calibrate::read_campaign_scans(campaign);
+  inputs.push_back(options.campaign);
+  for (const auto& scan : scans) inputs.push_back(scan.file);
+  require_product_output(inputs, options.output);
+  calibrate::Campaign result = calibrate::evaluate_campaign(scans, campaign);
+  view.campaign = true;
+  view.missing = result.missing;
+  view.compare = campaign.compare;
+  view.reciprocity_target = campaign.reciprocity_target;
+  view.slow_noise = result.linearity.slow_noise;
+  return std::move(result.calibration);
 }
 
-void print_text(const calibrate::Calibration& calibration) {
-  fmt::print("{:>7} {:>11} {:>8} {:>8} {:>17} {:>13} {:>12} {:>9}\n", "nm", "C [V]", "u noise",
-             "u ref.", "IF", "theta_r [deg]", "phase [deg]", "chi2/dof");
-  for (const auto& w : calibration.wavelengths) {
-    const Spread spread = spread_of(w.instrument_function);
-    fmt::print(
-        "{:>7g} {:>11.4f} {:>7.2g}% {:>7.2g}% {:>8.4f}-{:<8.4f} {:>6g}..{:<5g} {:>12.4f} "
-        "{:>9.2f}\n",
-        w.wavelength_nm, w.gain_constant_v, 100 * std::sqrt(w.covariance(0, 0)),
-        100 * w.reference_relative_u, spread.low, spread.high, w.instrument_function.min_deg,
-        w.instrument_function.max_deg, optics::degrees(w.phase_rad),
-        w.dof > 0 ? w.chi2 / w.dof : 0.0);
-    if (w.bias_active)
-      fmt::print("        detector polarisation bias {:+.4f} +- {:.4f} is applied\n",
-                 w.detector_bias, w.detector_bias_u);
-  }
-  if (!calibration.checks.empty())
-    fmt::print("\nDHR of the standards\n{:<20} {:>7} {:>8} {:>17} {:>8}\n", "standard", "nm",
-               "stated", "computed", "diff.");
-  for (const auto& check : calibration.checks)
-    fmt::print("{:<20} {:>7g} {:>8} {:>8.4f} +-{:>6.4f} {:>8}{}\n", check.standard,
-               check.wavelength_nm,
-               std::isnan(check.stated) ? "-" : fmt::format("{:.4f}", check.stated), check.computed,
-               check.computed_u,
-               std::isnan(check.stated)
-                   ? "-"
-                   : fmt::format("{:+.2f}%", 100 * (check.computed / check.stated - 1)),
-               check.used_for_gain ? "  (fixes the gain)" : "");
-  fmt::print("\nAmplifier ranges and dark signal\n{:>7} {:>12} {:>10} {:>13} {:>12}\n", "range",
-             "error", "u", "dark x [V]", "u [V]");
-  for (const auto& range : calibration.ranges.ranges) {
-    const auto level = calibration.dark.at(range.gain);
-    fmt::print("{:>7g} {:>12.3g} {:>10.2g} {:>13.3g} {:>12.2g}{}{}\n", range.gain, range.error,
-               range.u, level.x_v, level.x_u, range.measured ? "" : "  nominal ratio",
-               level.records > 0 ? "" : "  dark not measured");
-  }
-}
-
-nlohmann::json number(double value) {
-  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
-}
-
-nlohmann::json to_json(const calibrate::Calibration& calibration, const std::string& file) {
-  nlohmann::json out{{"file", file},
-                     {"solid_angle_sr", calibration.solid_angle_sr},
-                     {"retro_shadow_deg", calibration.retro_shadow_deg},
-                     {"wavelengths", nlohmann::json::array()},
-                     {"checks", nlohmann::json::array()},
-                     {"ranges", nlohmann::json::array()},
-                     {"inputs", nlohmann::json::array()},
-                     {"notes", calibration.notes}};
-  for (const auto& w : calibration.wavelengths) {
-    const Spread spread = spread_of(w.instrument_function);
-    out["wavelengths"].push_back({{"wavelength_nm", w.wavelength_nm},
-                                  {"gain_constant_v", w.gain_constant_v},
-                                  {"gain_constant_relative_u", std::sqrt(w.covariance(0, 0))},
-                                  {"reference_relative_u", w.reference_relative_u},
-                                  {"instrument_function",
-                                   {{"min", spread.low},
-                                    {"max", spread.high},
-                                    {"theta_r_min_deg", w.instrument_function.min_deg},
-                                    {"theta_r_max_deg", w.instrument_function.max_deg},
-                                    {"legendre_degrees", w.instrument_function.degrees},
-                                    {"coefficients", w.instrument_function.coefficients}}},
-                                  {"phase_deg", optics::degrees(w.phase_rad)},
-                                  {"phase_u_deg", optics::degrees(w.phase_u_rad)},
-                                  {"detector_bias", w.detector_bias},
-                                  {"detector_bias_u", w.detector_bias_u},
-                                  {"detector_bias_applied", w.bias_active},
-                                  {"records", w.records},
-                                  {"rejected", w.rejected},
-                                  {"chi2", w.chi2},
-                                  {"degrees_of_freedom", w.dof}});
-  }
-  for (const auto& check : calibration.checks)
-    out["checks"].push_back({{"standard", check.standard},
-                             {"wavelength_nm", check.wavelength_nm},
-                             {"stated", number(check.stated)},
-                             {"computed", check.computed},
-                             {"computed_u", check.computed_u},
-                             {"used_for_gain", check.used_for_gain}});
-  for (const auto& range : calibration.ranges.ranges) {
-    const auto level = calibration.dark.at(range.gain);
-    out["ranges"].push_back({{"gain", range.gain},
-                             {"error", range.error},
-                             {"u", range.u},
-                             {"measured", range.measured},
-                             {"dark_x_v", level.x_v},
-                             {"dark_x_u_v", level.x_u},
-                             {"dark_measured", level.records > 0}});
-  }
-  for (const auto& input : calibration.inputs)
-    out["inputs"].push_back({{"name", input.name}, {"role", input.role}, {"sha256", input.sha256}});
-  return out;
-}
-
-void run(const Options& options, const Common& common) {
-  std::vector<std::string> inputs_named = options.files;
-  inputs_named.push_back(options.reference_brdf);
-  require_product_output(inputs_named, options.output);
+calibrate::Calibration calibrate_plainly(const Options& options) {
+  if (options.files.empty())
+    throw Error("no scan is named", "name scans of white standards, or give --campaign FILE");
   Inputs inputs = read_inputs(options);
   calibrate::CalibrateOptions settings;
   settings.standard = choose_standard(inputs.standards, options.standard);
@@ -205,20 +116,41 @@ void run(const Options& options, const Common& common) {
   settings.bias = options.bias == "on"    ? calibrate::CalibrateOptions::Bias::on
                   : options.bias == "off" ? calibrate::CalibrateOptions::Bias::off
                                           : calibrate::CalibrateOptions::Bias::automatic;
+  if (inputs.mirrors.size() > 1)
+    throw Error(Place{inputs.mirrors[1].first}, "is a second mirror scan", "give one of them");
+  for (const auto& [file, scan] : inputs.mirrors) {
+    calibrate::PolarizationOptions polarization;
+    polarization.index = options.mirror_index;
+    polarization.range_tolerance = options.range_tolerance;
+    settings.polarization = calibrate::find_polarization(scan, polarization);
+    for (const std::string& note : settings.polarization->notes)
+      inputs.notes.push_back(file + ": " + note);
+  }
   calibrate::Calibration calibration =
       calibrate::calibrate(inputs.standards, inputs.dark, settings);
   calibration.inputs.insert(calibration.inputs.end(), inputs.others.begin(), inputs.others.end());
   calibration.notes.insert(calibration.notes.end(), inputs.notes.begin(), inputs.notes.end());
+  return calibration;
+}
+
+void run(const Options& options, const Common& common) {
+  std::vector<std::string> inputs_named = options.files;
+  inputs_named.push_back(options.reference_brdf);
+  require_product_output(inputs_named, options.output);
+  CalibrationView view;
+  const calibrate::Calibration calibration = options.campaign.empty()
+                                                 ? calibrate_plainly(options)
+                                                 : evaluate(options, inputs_named, view);
   formats::Provenance provenance;
   provenance.program = "umov " UMOV_VERSION;
   provenance.command = common.command_line;
   calibrate::write_calibration(options.output, calibration, provenance);
   if (common.json) {
-    fmt::print("{}\n", to_json(calibration, options.output).dump());
+    fmt::print("{}\n", calibration_json(calibration, view, options.output));
     return;
   }
   if (common.quiet) return;
-  print_text(calibration);
+  print_calibration(calibration, view);
   for (const std::string& note : calibration.notes) fmt::print("note: {}\n", note);
   fmt::print("\n{} written\n", options.output);
 }
@@ -232,8 +164,10 @@ void add_calibrate_command(CLI::App& root, const Common& common) {
   command
       ->add_option("scans", options->files,
                    "scans (scan.h5 or .csv) of role white, dark or mirror; the first white one "
-                   "fixes the gain")
-      ->required();
+                   "fixes the gain. With --campaign: any role, instead of the file's own list");
+  command->add_option("--campaign", options->campaign,
+                      "campaign.toml: scans and what is known beforehand; evaluates linearity, "
+                      "stray light, polariser axes and reciprocity too");
   command->add_option("-o,--output", options->output, "calibration file to write (cal.h5)")
       ->required();
   command->add_option("--standard", options->standard,
@@ -255,10 +189,15 @@ void add_calibrate_command(CLI::App& root, const Common& common) {
                    "relative uncertainty of amplifier ranges that no overlap fixes")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
+  command
+      ->add_option("--mirror-index", options->mirror_index,
+                   "refractive index of the mirror: a table of the library or a .yml file")
+      ->capture_default_str();
   command->footer(
       "Examples:\n"
       "  umov calibrate white99.h5 white70.h5 white50.h5 -o cal.h5\n"
-      "  umov calibrate white.csv --reference-brdf ptfe.h5 -o cal.h5 --json");
+      "  umov calibrate white.csv --reference-brdf ptfe.h5 -o cal.h5 --json\n"
+      "  umov calibrate --campaign campaign.toml -o cal.h5");
   command->callback([options, &common] { run(*options, common); });
 }
 

@@ -32,5 +32,6 @@ void add_report_command(CLI::App& root, const Common& common);
 void add_import_command(CLI::App& root, const Common& common);
 void add_export_command(CLI::App& root, const Common& common);
 void add_device_command(CLI::App& root, const Common& common);
+void add_study_command(CLI::App& root, const Common& common);
 
 }  // namespace umov::cli

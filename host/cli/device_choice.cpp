@@ -10,6 +10,15 @@
 #include "host/instrument/tcp_transport.hpp"
 
 namespace umov::cli {
+namespace {
+
+/// Plans call a sample "red gloss", the emulator's catalogue red-gloss.
+std::string catalogue_name(std::string name) {
+  std::replace(name.begin(), name.end(), ' ', '-');
+  return name;
+}
+
+}  // namespace
 
 void add_plant_options(CLI::App& command, DeviceChoice& choice) {
   auto* group = command.add_option_group("emulated instrument");
@@ -29,18 +38,33 @@ void add_device_options(CLI::App& command, DeviceChoice& choice) {
 std::function<std::unique_ptr<instrument::Transport>()> connector(const DeviceChoice& choice,
                                                                   const std::string& plan_sample,
                                                                   std::uint64_t seed) {
+  return choose_instrument(choice, plan_sample, seed).connect;
+}
+
+Instrument choose_instrument(const DeviceChoice& choice, const std::string& plan_sample,
+                             std::uint64_t seed) {
   const auto device = instrument::parse_device_name(choice.device);
   if (device.kind == instrument::DeviceKind::tcp) {
-    return [device] { return instrument::connect_tcp(device.host, device.port); };
+    return {[device] { return instrument::connect_tcp(device.host, device.port); }, {}};
   }
   emulator::BenchOptions bench;
-  bench.sample = choice.sample.empty() ? plan_sample : choice.sample;
-  if (choice.sample.empty()) std::replace(bench.sample.begin(), bench.sample.end(), ' ', '-');
+  bench.sample = choice.sample.empty() ? catalogue_name(plan_sample) : choice.sample;
   bench.preset = choice.preset;
   bench.plant_file = choice.plant_file;
   bench.settings = choice.plant_settings;
   bench.seed = seed;
-  return [bench] { return emulator::make_embedded(bench); };
+  // Started with the first connection: what is wrong with it is then told like any other refusal.
+  const auto running = std::make_shared<std::shared_ptr<emulator::EmulatedInstrument>>();
+  const auto instrument = [bench, running] {
+    if (!*running) *running = std::make_shared<emulator::EmulatedInstrument>(bench);
+    return *running;
+  };
+  return {[instrument] { return emulator::connect_embedded(instrument()); },
+          [instrument](auto settings) {
+            for (auto& [key, value] : settings)
+              if (key == "sample") value = catalogue_name(value);
+            instrument()->arrange(settings);
+          }};
 }
 
 }  // namespace umov::cli

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/instrument/transport.hpp"
@@ -33,5 +34,16 @@ void add_plant_options(CLI::App& command, DeviceChoice& choice);
 std::function<std::unique_ptr<instrument::Transport>()> connector(const DeviceChoice& choice,
                                                                   const std::string& plan_sample,
                                                                   std::uint64_t seed);
+
+/// An instrument for a whole run: connections, and the hand at it where the program itself has one.
+struct Instrument {
+  std::function<std::unique_ptr<instrument::Transport>()> connect;
+  /// Changes the set-up of the embedded emulator (EmulatedInstrument::arrange); empty for others.
+  std::function<void(const std::vector<std::pair<std::string, std::string>>& settings)> arrange;
+};
+
+/// As `connector`, but the embedded emulator lives on from connection to connection.
+Instrument choose_instrument(const DeviceChoice& choice, const std::string& plan_sample,
+                             std::uint64_t seed);
 
 }  // namespace umov::cli

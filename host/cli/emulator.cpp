@@ -1,8 +1,4 @@
 // umov emulator: an instrument without hardware, on TCP; and what there is to put on its stage.
-#include <array>
-#include <cmath>
-#include <fstream>
-#include <limits>
 #include <memory>
 #include <string>
 
@@ -15,10 +11,10 @@
 #include "host/cli/command.hpp"
 #include "host/cli/device_choice.hpp"
 #include "host/cli/emulator/emulated_instrument.hpp"
+#include "host/cli/emulator/truth.hpp"
 #include "host/cli/interrupt.hpp"
 #include "host/cli/output_file.hpp"
 #include "host/errors/error.hpp"
-#include "host/optics/mueller.hpp"
 
 namespace umov::cli {
 namespace {
@@ -74,45 +70,10 @@ void describe(const std::string& name, const Common& common) {
   }
 }
 
-/// The polarised in-plane BRDF of a sample as a calibration laboratory would certify it: what
-/// `umov calibrate --reference-brdf` reads for a standard that is not Lambertian.
+/// What `umov calibrate --reference-brdf` reads for a standard that is not Lambertian.
 void write_certificate(const std::string& name, const std::string& path) {
   require_product_output({name}, path);
-  const auto sample = plant::make_sample(name);
-  struct Axis {
-    const char* text;
-    double deg;
-  };
-  constexpr double open = std::numeric_limits<double>::quiet_NaN();
-  constexpr std::array<Axis, 3> axes{{{"0", 0.0}, {"90", 90.0}, {"open", open}}};
-  const auto stokes = [](double axis_deg, bool analyzer) {
-    if (std::isnan(axis_deg)) return optics::unpolarized<double>();
-    return analyzer ? optics::analyzer_stokes<double>(axis_deg)
-                    : optics::polarizer_stokes<double>(axis_deg);
-  };
-  std::ofstream file(path);
-  file
-      << "# BRDF of " << name
-      << " in the plane of incidence, 1/sr; polariser and analyser axes from p towards s\n"
-      << "theta_i_deg,theta_r_deg,phi_r_deg,wavelength_nm,polarizer_deg,analyzer_deg,brdf_per_sr\n";
-  for (const int wavelength_nm : plant::laser_names) {
-    for (int theta_i_deg = 0; theta_i_deg <= 75; theta_i_deg += 5) {
-      for (double theta_r_deg = -88; theta_r_deg <= 88; theta_r_deg += 1) {
-        const auto brdf = plant::brdf_at(*sample, theta_i_deg, theta_r_deg, 0, wavelength_nm);
-        for (const auto& polarizer : axes) {
-          for (const auto& analyzer : axes) {
-            file << fmt::format(
-                "{},{:g},0,{},{},{},{:.9g}\n", theta_i_deg, theta_r_deg, wavelength_nm,
-                polarizer.text, analyzer.text,
-                optics::contract(stokes(analyzer.deg, true), brdf, stokes(polarizer.deg, false)));
-          }
-        }
-      }
-    }
-  }
-  if (!file.flush())
-    throw Error({path}, "cannot write the certificate",
-                "check the folder and the space on the disk");
+  emulator::write_certificate(name, path);
 }
 
 void run(const Options& options, const Common& common) {

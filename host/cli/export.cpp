@@ -1,84 +1,288 @@
-// umov export: scan.h5 and brdf.h5 as text for other programs.
+// umov export: scans, measured points, tables, fits and models in the formats of other programs.
+#include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "host/cli/command.hpp"
+#include "host/cli/model_values.hpp"
 #include "host/cli/output_file.hpp"
+#include "host/cli/progress.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/atomic_file.hpp"
 #include "host/formats/brdf_csv.hpp"
 #include "host/formats/brdf_h5.hpp"
 #include "host/formats/h5_kind.hpp"
+#include "host/formats/hdf5_image.hpp"
+#include "host/formats/klems_table.hpp"
 #include "host/formats/scan_csv.hpp"
 #include "host/formats/scan_h5.hpp"
+#include "host/formats/table_comparison.hpp"
+#include "host/formats/table_file.hpp"
 
 namespace umov::cli {
 namespace {
 
+constexpr double default_wavelength_nm = 632.8;
+
 struct Options {
   std::string input;
   std::string output;
-  std::string format = "csv";
+  std::string format;  ///< empty: csv for scans and points; tables need one
+  std::string model;
+  std::vector<std::string> settings;
+  std::vector<double> wavelengths_nm;
   bool force = false;
 };
 
 struct Exported {
-  const char* format;
-  std::size_t rows;
+  std::string format;
+  std::size_t rows = 0;
+  std::vector<std::string> notes = {};  ///< of tables
+  bool table = false;
+  std::optional<formats::TableDifference> difference = {};
+  std::optional<formats::ReflectanceDifference> reflectance = {};
+  bool without_mirror_patches = false;  ///< in `difference`
 };
 
-Exported export_file(const Options& options) {
-  switch (formats::h5_kind(options.input)) {
-    case formats::H5Kind::scan: {
-      const auto scan = formats::read_scan_h5(options.input);
-      formats::write_scan_csv(scan.table, std::filesystem::path(options.output));
-      return {"scan csv", scan.table.size()};
-    }
-    case formats::H5Kind::brdf: {
-      const auto brdf = formats::read_brdf_h5(options.input);
-      formats::replace_file(options.output, formats::brdf_csv_text(brdf.table));
-      return {"brdf csv", brdf.table.points.size()};
-    }
-    case formats::H5Kind::other:
-      break;
+formats::TableWriting writing_of(const Options& options, const Common& common) {
+  formats::TableWriting writing;
+  for (const double nm : options.wavelengths_nm)
+    writing.wavelengths_um.push_back(checked_wavelength_um(nm));
+  std::sort(writing.wavelengths_um.begin(), writing.wavelengths_um.end());
+  writing.wavelengths_um.erase(
+      std::unique(writing.wavelengths_um.begin(), writing.wavelengths_um.end()),
+      writing.wavelengths_um.end());
+  writing.program = std::string("umov ") + UMOV_VERSION;
+  writing.command = common.command_line;
+  return writing;
+}
+
+formats::TablePtr model_source(const Options& options, const formats::TableWriting& writing) {
+  ModelValues model = model_values(options.model, options.settings);
+  std::vector<double> wavelengths = writing.wavelengths_um;
+  if (wavelengths.empty()) wavelengths = {default_wavelength_nm * 1e-3};
+  std::vector<std::string> settings;
+  for (const std::string& setting : options.settings) settings.push_back(setting);
+  std::string description = fmt::format("model {}", options.model);
+  if (!settings.empty()) description += fmt::format(" with {}", fmt::join(settings, ", "));
+  return std::make_shared<formats::ModelTable>(
+      std::move(model.model), std::move(wavelengths),
+      std::vector<std::vector<double>>{std::move(model.values)}, std::move(description));
+}
+
+/// A table, fit or table file of any format.
+formats::TablePtr table_source(const std::string& bytes, const std::string& name) {
+  const auto first = bytes.find_first_not_of(" \t\r\n");
+  if (first != std::string::npos && bytes[first] == '{') return formats::fitted_table(bytes, name);
+  return formats::parse_table(bytes, name);
+}
+
+Exported export_points(const Options& options, const formats::TableWriting& writing) {
+  const auto brdf = formats::read_brdf_h5(options.input);
+  if (options.format.empty() || options.format == "csv") {
+    formats::replace_file(options.output, formats::brdf_csv_text(brdf.table));
+    return {"brdf csv", brdf.table.points.size()};
   }
-  throw Error(Place{options.input}, "is neither a scan.h5 nor a brdf.h5", "name a file of umov");
+  const formats::TableFormat& format = formats::table_format(options.format);
+  if (format.write_points == nullptr)
+    throw Error(Place{options.input},
+                fmt::format("holds measured points; a {} file needs values in every direction",
+                            format.name),
+                "fit a model to the points (umov invert) and export the fit.json");
+  formats::replace_file(options.output, format.write_points(brdf.table, writing));
+  return {std::string(format.name) + " points", brdf.table.points.size()};
+}
+
+/// What reading the file again yields, against what was written.
+void read_back(const Options& options, const formats::TableFormat& format,
+               const brdf::Table& source, const formats::TableWriting& writing,
+               Exported& exported) {
+  if (format.read == nullptr) return;
+  const formats::TablePtr back = formats::read_table(options.output, format.name);
+  const std::vector<double>& stored = back->wavelengths_um();
+  std::vector<double> written = formats::written_wavelengths(source, writing);
+  // A format with fixed channels was sampled at their wavelengths, or with one value for all.
+  if (written.size() != stored.size() && writing.wavelengths_um.empty()) written = stored;
+  if (written.size() == 1) written.assign(stored.size(), written.front());
+  if (written.size() != stored.size()) return;
+  // A table of the source's values has no mirror part to compare with.
+  std::function<bool(const brdf::Geometry<double>&)> mirror_patch;
+  const auto* model = dynamic_cast<const formats::ModelTable*>(&source);
+  const auto* klems = dynamic_cast<const formats::KlemsTable*>(back.get());
+  if (klems != nullptr && model != nullptr && model->has_mirror())
+    mirror_patch = [klems](const auto& geometry) { return klems->in_mirror_patch(geometry); };
+  exported.without_mirror_patches = mirror_patch != nullptr;
+  exported.difference = formats::compare_tables(*back, source, stored, written, mirror_patch);
+  const std::size_t middle = stored.size() / 2;
+  exported.reflectance = formats::compare_reflectances(*back, stored[middle], source,
+                                                       written[middle], format.takes_mirror);
+}
+
+Exported export_table(const Options& options, const formats::TablePtr& source,
+                      formats::TableWriting writing, const Common& common) {
+  const std::string written = formats::format_names(formats::FormatUse::writing);
+  if (options.format.empty())
+    throw Error("a table or model is written in the format that you name",
+                "give --format with one of " + written);
+  if (options.format == "csv")
+    throw Error("--format csv is for scans and measured points",
+                "for a table or model give one of " + written);
+  const formats::TableFormat& format =
+      formats::table_format(options.format, formats::FormatUse::writing);
+  if (const auto* model = dynamic_cast<const formats::ModelTable*>(source.get()))
+    for (std::string& note : model->notes(format.takes_mirror))
+      writing.notes.push_back(std::move(note));
+  Progress progress("sampling", common.quiet);
+  writing.progress = [&](double done, double total) { progress.update(done, total); };
+  formats::write_table(options.output, format.name, *source, writing);
+  progress.finish();
+  Exported exported{std::string(format.name), 0, writing.notes, true, {}, {}, false};
+  read_back(options, format, *source, writing, exported);
+  return exported;
+}
+
+Exported export_source(const Options& options, const Common& common) {
+  const formats::TableWriting writing = writing_of(options, common);
+  if (!options.model.empty())
+    return export_table(options, model_source(options, writing), writing, common);
+  const std::string bytes = formats::read_whole_file(options.input);
+  if (formats::looks_like_hdf5(bytes)) {
+    switch (formats::h5_kind(bytes, options.input)) {
+      case formats::H5Kind::scan: {
+        if (!options.format.empty() && options.format != "csv")
+          throw Error(Place{options.input}, "holds raw records, which only CSV can take",
+                      "reduce it to a brdf.h5 first (umov reduce), or give --format csv");
+        const auto scan = formats::read_scan_h5(options.input);
+        formats::write_scan_csv(scan.table, std::filesystem::path(options.output));
+        return {"scan csv", scan.table.size()};
+      }
+      case formats::H5Kind::brdf:
+        return export_points(options, writing);
+      case formats::H5Kind::table:
+        break;
+      case formats::H5Kind::other:
+        throw Error(Place{options.input}, "is neither scan.h5 nor brdf.h5 nor table.h5",
+                    "name a file of umov");
+    }
+  }
+  return export_table(options, table_source(bytes, options.input), writing, common);
+}
+
+void require_sources(const Options& options) {
+  if (options.input.empty() == options.model.empty())
+    throw Error(options.input.empty() ? "there is nothing to export"
+                                      : "a file and --model are given at once",
+                "give a file, or --model NAME with --set NAME=VALUE");
+  if (options.model.empty() && !options.settings.empty())
+    throw Error("--set belongs to --model", "leave it away, or name a model");
+  require_new_output(options.input, options.output, options.force);
+  // Tables that a model reads are inputs too.
+  for (const std::string& setting : options.settings)
+    if (const auto equals = setting.find('='); equals != std::string::npos)
+      require_new_output(setting.substr(equals + 1), options.output, options.force);
 }
 
 void run(const Options& options, const Common& common) {
-  require_new_output(options.input, options.output, options.force);
-  const Exported exported = export_file(options);
+  require_sources(options);
+  const Exported exported = export_source(options, common);
   if (common.json) {
-    fmt::print("{}\n",
-               nlohmann::json{
-                   {"file", options.output}, {"format", exported.format}, {"rows", exported.rows}}
-                   .dump());
+    nlohmann::ordered_json out{{"file", options.output}, {"format", exported.format}};
+    if (exported.table) {
+      out["notes"] = exported.notes;
+      if (exported.difference)
+        out["difference"] = {{"directions", exported.difference->directions},
+                             {"median", exported.difference->median},
+                             {"p95", exported.difference->p95},
+                             {"worst", exported.difference->worst}};
+      if (exported.difference && exported.without_mirror_patches)
+        out["difference"]["without"] = "mirror patches";
+      if (exported.reflectance)
+        out["dhr"] = {{"theta_i_deg", formats::ReflectanceDifference::theta_i_deg},
+                      {"file", exported.reflectance->found},
+                      {"source", exported.reflectance->expected},
+                      {"largest_difference", exported.reflectance->largest()}};
+    } else {
+      out["rows"] = exported.rows;
+    }
+    fmt::print("{}\n", out.dump());
   } else if (!common.quiet) {
-    fmt::print("{}: {} with {} rows\n", options.output, exported.format, exported.rows);
+    if (!exported.table) {
+      fmt::print("{}: {} with {} rows\n", options.output, exported.format, exported.rows);
+      return;
+    }
+    fmt::print("{}: {}\n", options.output, exported.format);
+    for (const std::string& note : exported.notes) fmt::print("note: {}\n", note);
+    if (exported.difference)
+      fmt::print("read back, it {}{}\n", exported.difference->sentence(),
+                 exported.without_mirror_patches ? ", mirror patches left out" : "");
+    if (exported.reflectance) fmt::print("{}\n", exported.reflectance->sentence());
   }
+}
+
+std::vector<std::string> format_names() {
+  std::vector<std::string> names;
+  for (const formats::TableFormat& format : formats::table_formats())
+    if (format.write != nullptr || format.write_points != nullptr) names.emplace_back(format.name);
+  if (std::find(names.begin(), names.end(), "csv") == names.end()) names.emplace_back("csv");
+  return names;
+}
+
+std::string footer() {
+  std::string text =
+      "Formats and what they are written from (table: table.h5, fit.json, --model, or a table file "
+      "of another format; points: brdf.h5):\n"
+      "  csv         Scan CSV of a scan.h5, list of points of a brdf.h5\n";
+  for (const formats::TableFormat& format : formats::table_formats()) {
+    if (format.write == nullptr && format.write_points == nullptr) continue;
+    text += fmt::format("  {:11} {}; from {}{}{}\n", format.name, format.title,
+                        format.write != nullptr ? "a table" : "",
+                        format.write != nullptr && format.write_points != nullptr ? " or " : "",
+                        format.write_points != nullptr ? "points" : "");
+  }
+  return text +
+         "What the numbers in each mean: docs/formats.\n"
+         "Examples:\n"
+         "  umov export scan.h5 -o scan.csv\n"
+         "  umov export brdf.h5 --format csv -o brdf.csv\n"
+         "  umov export fit.json --format rgl -o paint.bsdf\n"
+         "  umov export --model microfacet+lambertian --set 0.slope_rms=0.1 --set 1.rho=0.3 "
+         "--format "
+         "zemax -o gloss.bsdf";
 }
 
 }  // namespace
 
 void add_export_command(CLI::App& root, const Common& common) {
   auto options = std::make_shared<Options>();
-  auto* command =
-      root.add_subcommand("export", "Write scan.h5 or brdf.h5 as text for other programs");
-  command->add_option("file", options->input, "scan.h5 or brdf.h5")->required();
+  auto* command = root.add_subcommand(
+      "export", "Write a scan, BRDF, table, fit or model in a format of other programs");
+  command->add_option("file", options->input,
+                      "scan.h5, brdf.h5, table.h5, fit.json or a table file");
   command->add_option("-o,--output", options->output, "file to write")->required();
-  command->add_option("--format", options->format, "csv: Scan CSV of a scan, point list of a BRDF")
-      ->check(CLI::IsMember({"csv"}))
-      ->capture_default_str();
+  command
+      ->add_option("--format", options->format,
+                   "one of the formats below; csv if it is left out for a scan or points")
+      ->check(CLI::IsMember(format_names()));
+  command->add_option("--model", options->model, "model, or sum such as microfacet+nef");
+  command
+      ->add_option("--set", options->settings,
+                   "parameter or choice of the model, NAME=VALUE; repeatable")
+      ->allow_extra_args(false);
+  command
+      ->add_option(
+          "--wavelength-nm", options->wavelengths_nm,
+          "wavelengths to write, repeatable; default: those of the source, 632.8 for --model")
+      ->allow_extra_args(false);
   command->add_flag("--force", options->force, "replace an existing file");
-  command->footer(
-      "Examples:\n"
-      "  umov export scan.h5 -o scan.csv\n"
-      "  umov export brdf.h5 --format csv -o brdf.csv");
+  command->footer(footer());
   command->callback([options, &common] { run(*options, common); });
 }
 

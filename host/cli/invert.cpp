@@ -12,14 +12,18 @@
 #include <vector>
 
 #include "host/cli/command.hpp"
+#include "host/cli/compare.hpp"
+#include "host/cli/fit_text.hpp"
 #include "host/cli/output_file.hpp"
 #include "host/cli/progress.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/atomic_file.hpp"
 #include "host/formats/brdf_h5.hpp"
 #include "host/formats/sha256.hpp"
+#include "host/invert/directions.hpp"
 #include "host/invert/invert.hpp"
 #include "host/invert/prediction.hpp"
+#include "host/invert/prior.hpp"
 #include "host/invert/row_selection.hpp"
 
 namespace umov::cli {
@@ -28,7 +32,9 @@ namespace {
 struct Arguments {
   std::string input;
   std::string output = "fit.json";
-  std::vector<std::string> fix, start, bound, rows;
+  std::vector<std::string> fix, start, bound, rows, prior;
+  std::string compare;
+  std::string predict, predict_output = "prediction.csv";
   std::string objective = "noise";
   bool no_held_out = false;
   bool list_start = false;
@@ -93,101 +99,6 @@ std::vector<invert::Limits> limits(const std::vector<std::string>& texts) {
   return out;
 }
 
-/// Decimal places that the interval justifies: two digits of the half width.
-int decimal_places(double lo, double hi) {
-  const double half = 0.5 * (hi - lo);
-  return half > 0 ? 1 - static_cast<int>(std::floor(std::log10(half))) : 6;
-}
-
-/// `value` rounded to decimal places (negative: tens, hundreds …), or in powers of ten where that
-/// would be long. Numbers of one interval get the same places, so that rounding, which keeps the
-/// order, cannot put a value outside of its limits.
-std::string rounded_text(double value, int places) {
-  if (!std::isfinite(value)) return fmt::format("{}", value);
-  if (places >= 0 && places <= 7 && std::abs(value) < 1e7) {
-    std::string text = fmt::format("{:.{}f}", value, places);
-    const bool zero = text.find_first_of("123456789") == std::string::npos;
-    return zero && text.front() == '-' ? text.substr(1) : text;
-  }
-  const double unit = std::pow(10.0, places);
-  const double rounded = std::round(value * unit) / unit;
-  if (rounded == 0) return "0";
-  const int digits = static_cast<int>(std::floor(std::log10(std::abs(rounded)) + 1e-9)) + places;
-  return fmt::format("{:.{}g}", rounded, std::clamp(digits + 1, 1, 15));
-}
-
-std::string value_text(const formats::Estimate& e) {
-  if (!(e.hi > e.lo)) return fmt::format("{:.6g}", e.value);
-  return rounded_text(e.value, decimal_places(e.lo, e.hi));
-}
-
-std::string interval_text(const formats::Estimate& e, bool fixed) {
-  if (fixed) return "fixed";
-  const double half = 0.5 * (e.hi - e.lo);
-  const bool symmetric = std::abs(e.hi + e.lo - 2 * e.value) < 0.1 * (e.hi - e.lo);
-  if (symmetric && e.at_bound.empty()) return fmt::format("± {:.2g}", half);
-  if (!(e.hi > e.lo)) return fmt::format("{:.6g} … {:.6g}", e.lo, e.hi);
-  const int places = decimal_places(e.lo, e.hi);
-  return rounded_text(e.lo, places) + " … " + rounded_text(e.hi, places);
-}
-
-void print_parameters(const formats::FitResult& fit,
-                      const std::vector<formats::FitParameter>& parameters) {
-  for (const formats::FitParameter& p : parameters) {
-    for (std::size_t w = 0; w < p.estimates.size(); ++w) {
-      const formats::Estimate& e = p.estimates[w];
-      std::string remark;
-      if (!e.at_bound.empty()) {
-        remark = "  at its " + e.at_bound + " limit";
-      } else if (!e.identifiable) {
-        remark = "  not determined alone";
-      }
-      fmt::print("  {:<24} {:>8}  {:>12}  {:<20} {}{}\n", w == 0 ? p.name : "",
-                 p.shared ? "all" : fmt::format("{:g}", fit.wavelengths_nm[w]), value_text(e),
-                 interval_text(e, p.fixed), p.unit == "1" ? "" : p.unit, remark);
-    }
-  }
-}
-
-void print_fit(const formats::FitResult& fit, const std::string& output) {
-  fmt::print("{}: {} to {} points at", output, fit.model, fit.points);
-  for (const double nm : fit.wavelengths_nm) fmt::print(" {:g}", nm);
-  fmt::print(" nm\n  {:<24} {:>8}  {:>12}  {:<20}\n", "parameter", "nm", "value", "95 %");
-  print_parameters(fit, fit.parameters);
-  if (!fit.derived.empty()) fmt::print("derived\n");
-  print_parameters(fit, fit.derived);
-  if (!fit.dhr.empty()) {
-    fmt::print("directional-hemispherical reflectance\n  {:>6} {:>8}  {:>8}  95 %\n", "nm",
-               "theta_i", "value");
-    for (const auto& d : fit.dhr) {
-      const int places = std::max(decimal_places(d.lo, d.hi), 5);
-      fmt::print("  {:>6g} {:>8g}  {:>8}  {} … {}\n", d.wavelength_nm, d.theta_i_deg,
-                 rounded_text(d.value, places), rounded_text(d.lo, places),
-                 rounded_text(d.hi, places));
-    }
-  }
-  const bool calibration = std::any_of(fit.factors.begin(), fit.factors.end(),
-                                       [](const auto& f) { return std::abs(f.value) > 1; });
-  if (calibration) {
-    fmt::print("calibration moved by more than one standard deviation\n");
-    for (const auto& f : fit.factors) {
-      if (std::abs(f.value) > 1) {
-        fmt::print("  {:<32} {:+.2f} ± {:.2f}\n", f.name, f.value, f.standard_error);
-      }
-    }
-  }
-  if (!fit.identifiability.empty()) fmt::print("identifiability\n");
-  for (const std::string& sentence : fit.identifiability) fmt::print("  {}\n", sentence);
-  if (!fit.notes.empty()) fmt::print("notes\n");
-  for (const std::string& note : fit.notes) fmt::print("  {}\n", note);
-  fmt::print(
-      "chi2/dof {:.4g} ({} objective {:.6g}), held-out gap {}, {} iterations, {} of {} starts "
-      "agree, {:.2f} s\n",
-      fit.chi2 / static_cast<double>(fit.dof), fit.objective_kind, fit.objective,
-      fit.g2_held_out ? fmt::format("{:+.3f}", *fit.g2_held_out) : "none", fit.iterations,
-      fit.starts_agreeing, fit.starts, fit.seconds);
-}
-
 void list_start(const Arguments& arguments, const formats::BrdfTable& table, const Common& common) {
   const auto values = invert::starting_values(table, arguments.options);
   if (common.json) {
@@ -211,8 +122,8 @@ void list_start(const Arguments& arguments, const formats::BrdfTable& table, con
   }
 }
 
-void write_hemispheres(const Arguments& arguments, const formats::FitResult& fit,
-                       const formats::BrdfTable& table) {
+/// The user's incidences, else those of the data.
+std::vector<double> incidences(const Arguments& arguments, const formats::BrdfTable& table) {
   std::vector<double> angles = arguments.theta_i_deg;
   if (angles.empty()) {
     for (std::size_t i = 0; i < table.points.size(); ++i) {
@@ -221,6 +132,24 @@ void write_hemispheres(const Arguments& arguments, const formats::FitResult& fit
     std::sort(angles.begin(), angles.end());
     angles.erase(std::unique(angles.begin(), angles.end()), angles.end());
   }
+  return angles;
+}
+
+void write_prediction(const Arguments& arguments, const formats::FitResult& fit,
+                      const formats::BrdfTable& table, int threads) {
+  const std::vector<invert::Direction> directions =
+      arguments.predict.ends_with(".csv")
+          ? invert::read_directions(arguments.predict, fit.wavelengths_nm)
+          : invert::direction_grid(arguments.predict, fit.wavelengths_nm,
+                                   incidences(arguments, table));
+  formats::replace_file(arguments.predict_output,
+                        invert::directions_csv(invert::predict_directions(invert::FittedModel(fit),
+                                                                          directions, threads)));
+}
+
+void write_hemispheres(const Arguments& arguments, const formats::FitResult& fit,
+                       const formats::BrdfTable& table) {
+  const std::vector<double> angles = incidences(arguments, table);
   std::vector<invert::Hemisphere> parts;
   for (const double nm : fit.wavelengths_nm) {
     for (const double theta_i : angles) {
@@ -237,15 +166,6 @@ void write_hemispheres(const Arguments& arguments, const formats::FitResult& fit
     invert::write_hemispheres_hdf5(
         arguments.hemisphere, parts, provenance,
         {{"model", fit.model}, {"data_file", fit.data_file}, {"data_sha256", fit.data_sha256}});
-  }
-}
-
-void print_prediction(const std::vector<invert::PredictionError>& errors) {
-  if (errors.empty()) return;
-  fmt::print("relative error of the model (median and 90th percentile of its size, signed mean)\n");
-  for (const auto& e : errors) {
-    fmt::print("  {:<9} {:>6g} nm {:>7} points  {:>6.2f} %  {:>6.2f} %  {:>+6.2f} %\n", e.set,
-               e.wavelength_nm, e.points, 100 * e.median_abs, 100 * e.p90_abs, 100 * e.mean);
   }
 }
 
@@ -270,6 +190,10 @@ void run(Arguments& arguments, const Common& common) {
                 "name the kind of file by its ending");
   }
   require_product_output({arguments.input}, arguments.output);
+  if (!arguments.predict.empty()) {
+    require_product_output({arguments.input, arguments.output, arguments.predict},
+                           arguments.predict_output);
+  }
   if (!arguments.hemisphere.empty()) {
     require_product_output({arguments.input, arguments.output}, arguments.hemisphere);
   }
@@ -277,6 +201,9 @@ void run(Arguments& arguments, const Common& common) {
   options.fix = settings("--fix", arguments.fix);
   options.start = settings("--start", arguments.start);
   options.bound = limits(arguments.bound);
+  for (const std::string& text : arguments.prior) {
+    options.priors.push_back(invert::parse_prior(text));
+  }
   options.objective =
       arguments.objective == "paper" ? invert::Objective::paper : invert::Objective::noise_weighted;
   options.held_out = !arguments.no_held_out;
@@ -298,6 +225,12 @@ void run(Arguments& arguments, const Common& common) {
     conditions.push_back(invert::parse_row_condition(text));
   const formats::BrdfTable selected =
       conditions.empty() ? file.table : invert::select_rows(file.table, conditions);
+  if (!arguments.compare.empty()) {
+    compare_command({arguments.input, arguments.output, arguments.compare, arguments.rows},
+                    file.table, conditions.empty() ? nullptr : &selected, options, common,
+                    progress);
+    return;
+  }
   formats::FitResult fit = invert::invert(selected, options);
   progress.finish();
   fit.data_file = arguments.input;
@@ -326,6 +259,7 @@ void run(Arguments& arguments, const Common& common) {
   }
   formats::replace_file(arguments.output, text);
   if (!arguments.hemisphere.empty()) write_hemispheres(arguments, fit, file.table);
+  if (!arguments.predict.empty()) write_prediction(arguments, fit, file.table, common.threads);
   if (common.json) {
     fmt::print("{}", text);
   } else if (!common.quiet) {
@@ -359,6 +293,24 @@ void add_invert_command(CLI::App& root, const Common& common) {
       "--rows", a->rows,
       "fit only these points and tell how well the rest is foretold: in-plane, theta_i_deg=30,45, "
       "theta_r_deg=-60:60, wavelength_nm!=532; repeatable");
+  repeat(
+      "--prior", a->prior,
+      "knowledge from elsewhere: NAME=VALUE±U (or +-), NAME@NM=VALUE±U, or kappa-order[@NM][=3]: "
+      "extinction at NM (default: the shortest wavelength) at least so many times that at the "
+      "others; repeatable");
+  command
+      ->add_option(
+          "--compare", a->compare,
+          "fit these models (MODEL,MODEL+MODEL,… or all; interpolation is one) to the same "
+          "rows, rank them by the rows held out (those that --rows leaves, else every "
+          "fifth), and write the winner to the output; FILE.compare.json holds the table")
+      ->type_name("MODELS");
+  command->add_option(
+      "--predict", a->predict,
+      "also predict BRDF and DOLP with intervals: in-plane, out-of-plane, or a .csv of "
+      "[wavelength_nm,]theta_i_deg,theta_r_deg,phi_r_deg");
+  command->add_option("--predict-output", a->predict_output, "where --predict writes")
+      ->capture_default_str();
   command
       ->add_option("--objective", a->objective,
                    "noise: weighted by the uncertainties; paper: relative deviations by BFGS")

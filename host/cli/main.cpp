@@ -59,6 +59,7 @@ int main(int argc, char** argv) {
   add_import_command(app, common);
   add_export_command(app, common);
   add_device_command(app, common);
+  add_study_command(app, common);
 
   try {
     app.parse(argc, argv);

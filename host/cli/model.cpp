@@ -1,10 +1,11 @@
-// umov model list | show | eval | dhr: the model library from the command line.
+// umov model list | show | eval | dhr | check: the model library from the command line.
 #include <CLI/CLI.hpp>
-#include <charconv>
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,8 @@
 #include "host/brdf/evaluate.hpp"
 #include "host/brdf/model.hpp"
 #include "host/cli/command.hpp"
+#include "host/cli/model_check.hpp"
+#include "host/cli/model_values.hpp"
 #include "host/errors/error.hpp"
 #include "host/optics/angles.hpp"
 
@@ -29,59 +32,11 @@ struct Options {
   double phi_r_deg = 0.0;
 };
 
-struct Prepared {
-  brdf::Model model;
-  std::vector<double> values;
-};
-
-double number(const std::string& setting, const std::string& text) {
-  double value = 0.0;
-  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (code != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) {
-    throw Error("'" + text + "' in --set " + setting + " is not a number",
-                "write for example --set n=1.5");
-  }
-  return value;
+ModelValues prepare(const Options& options) {
+  return model_values(options.name, options.settings);
 }
 
-/// Choices are made first, since they decide which parameters there are.
-Prepared prepare(const Options& options) {
-  brdf::Model model = brdf::Model::by_name(options.name);
-  std::vector<std::pair<std::string, std::string>> numbers;
-  for (const std::string& setting : options.settings) {
-    const auto equals = setting.find('=');
-    if (equals == std::string::npos) {
-      throw Error("--set " + setting + " has no value", "write --set NAME=VALUE");
-    }
-    const std::string name = setting.substr(0, equals);
-    const std::string value = setting.substr(equals + 1);
-    if (model.has_choice(name)) {
-      model = model.with_choice(name, value);
-    } else {
-      numbers.emplace_back(name, value);
-    }
-  }
-  std::vector<double> values = model.initial_values();
-  for (const auto& [name, value] : numbers) {
-    values[model.index_of(name)] = number(name + "=" + value, value);
-  }
-  model.check(values);
-  return {std::move(model), std::move(values)};
-}
-
-double checked_wavelength_um(const Options& options) {
-  if (options.wavelength_nm >= 100.0 && options.wavelength_nm <= 1e5)
-    return options.wavelength_nm * 1e-3;
-  throw Error("a wavelength of " + std::to_string(options.wavelength_nm) + " nm is out of range",
-              "give --wavelength-nm from 100 to 100000");
-}
-
-double checked_incidence(const Options& options) {
-  if (options.theta_i_deg >= 0.0 && options.theta_i_deg < 90.0)
-    return optics::radians(options.theta_i_deg);
-  throw Error("an incidence of " + std::to_string(options.theta_i_deg) + " degrees is out of range",
-              "give --theta-i from 0 up to, not including, 90");
-}
+constexpr const char* table_meaning = "file of BRDF values; its kind is told by its content";
 
 ordered_json description(const brdf::Model& model) {
   ordered_json parameters = ordered_json::array();
@@ -100,7 +55,28 @@ ordered_json description(const brdf::Model& model) {
     choices.push_back(
         {{"name", c.name}, {"values", c.values}, {"value", c.value}, {"meaning", c.meaning}});
   }
-  return {{"name", model.name()}, {"parameters", parameters}, {"choices", choices}};
+  ordered_json out{{"name", model.name()}, {"parameters", parameters}, {"choices", choices}};
+  if (!model.table_slots().empty()) {
+    ordered_json tables = ordered_json::array();
+    for (const brdf::TableSlot& slot : model.table_slots()) {
+      ordered_json entry{{"name", slot.name}, {"meaning", table_meaning}};
+      if (slot.filled) entry["table"] = model.components()[slot.part].table->description();
+      tables.push_back(entry);
+    }
+    out["tables"] = tables;
+  }
+  return out;
+}
+
+/// Names of a model's parts without their choices, each once.
+std::vector<std::string> part_names(const brdf::Model& model) {
+  std::vector<std::string> names;
+  std::istringstream parts(model.name());
+  for (std::string part; std::getline(parts, part, '+');) {
+    part = part.substr(0, part.find(':'));
+    if (std::find(names.begin(), names.end(), part) == names.end()) names.push_back(part);
+  }
+  return names;
 }
 
 void list(const Common& common) {
@@ -109,25 +85,47 @@ void list(const Common& common) {
     const brdf::Model model = brdf::Model::by_name(name);
     ordered_json entry = description(model);
     entry["description"] = brdf::Model::description(name);
+    entry["formula"] = brdf::Model::formula(name);
+    entry["remarks"] = brdf::Model::remarks(name);
     all.push_back(entry);
     if (common.json) continue;
     std::cout << name << ": " << brdf::Model::description(name) << "\n   ";
     for (const brdf::Parameter& p : model.parameters()) std::cout << " " << p.name;
-    for (const brdf::Choice& c : model.choices()) std::cout << " [" << c.name << "]";
+    for (const brdf::TableSlot& slot : model.table_slots()) std::cout << " " << slot.name;
+    for (const brdf::Choice& c : model.choices()) {
+      std::cout << " [" << c.name << " =";
+      for (const std::string& value : c.values) std::cout << " " << value;
+      std::cout << "]";
+    }
     std::cout << "\n";
   }
+  ordered_json aliases = ordered_json::array();
+  for (const brdf::Alias& alias : brdf::Model::aliases()) {
+    aliases.push_back({{"name", alias.name}, {"model", alias.model}, {"meaning", alias.meaning}});
+  }
   if (common.json) {
-    std::cout << ordered_json{{"models", all}}.dump() << "\n";
+    std::cout << ordered_json{{"models", all}, {"aliases", aliases}}.dump() << "\n";
   } else {
+    std::cout << "Known under other names:\n";
+    for (const brdf::Alias& alias : brdf::Model::aliases()) {
+      std::cout << "    " << alias.name << " = " << alias.model << ": " << alias.meaning << "\n";
+    }
     std::cout << "Sums: microfacet+lambertian, with parameters 0.n, 1.rho and so on.\n";
   }
 }
 
 void show(const Options& options, const Common& common) {
-  const Prepared p = prepare(options);
+  const ModelValues p = prepare(options);
   if (common.json) {
     ordered_json out = description(p.model);
     for (std::size_t i = 0; i < p.values.size(); ++i) out["parameters"][i]["value"] = p.values[i];
+    out["parts"] = ordered_json::array();
+    for (const std::string& part : part_names(p.model)) {
+      out["parts"].push_back({{"name", part},
+                              {"description", brdf::Model::description(part)},
+                              {"formula", brdf::Model::formula(part)},
+                              {"remarks", brdf::Model::remarks(part)}});
+    }
     std::cout << out.dump() << "\n";
     return;
   }
@@ -145,6 +143,16 @@ void show(const Options& options, const Common& common) {
       std::cout << (i == 0 ? "" : " | ") << c.values[i];
     std::cout << ")  " << c.meaning << "\n";
   }
+  for (const brdf::TableSlot& slot : p.model.table_slots()) {
+    std::cout << "  " << slot.name << "  " << table_meaning;
+    if (slot.filled) std::cout << ": " << p.model.components()[slot.part].table->description();
+    std::cout << "\n";
+  }
+  for (const std::string& part : part_names(p.model)) {
+    std::cout << part << ": " << brdf::Model::description(part) << "\n"
+              << "  formula: " << brdf::Model::formula(part) << "\n"
+              << "  energy and reciprocity: " << brdf::Model::remarks(part) << "\n";
+  }
 }
 
 /// Row by row, with -0 written as 0.
@@ -160,9 +168,9 @@ void print_matrix(const std::vector<double>& rows) {
 }
 
 void eval(const Options& options, const Common& common) {
-  const Prepared p = prepare(options);
-  const double wavelength_um = checked_wavelength_um(options);
-  const double theta_i = checked_incidence(options);
+  const ModelValues p = prepare(options);
+  const double wavelength_um = checked_wavelength_um(options.wavelength_nm);
+  const double theta_i = checked_incidence(options.theta_i_deg);
   if (!(std::abs(options.theta_r_deg) < 90.0) || !std::isfinite(options.phi_r_deg)) {
     throw Error("the exit direction lies outside the hemisphere",
                 "give --theta-r between -90 and 90 (negative: retro side) and a finite --phi-r");
@@ -187,11 +195,12 @@ void eval(const Options& options, const Common& common) {
 }
 
 void dhr(const Options& options, const Common& common) {
-  const Prepared p = prepare(options);
-  const double wavelength_um = checked_wavelength_um(options);
-  const double theta_i = checked_incidence(options);
+  const ModelValues p = prepare(options);
+  const double wavelength_um = checked_wavelength_um(options.wavelength_nm);
+  const double theta_i = checked_incidence(options.theta_i_deg);
   const brdf::Dhr diffuse = brdf::dhr(p.model, p.values, wavelength_um, theta_i);
   const brdf::Dhr mirror = brdf::mirror_dhr(p.model, p.values, wavelength_um, theta_i);
+  const bool tabulated = !p.model.table_slots().empty();
   if (common.json) {
     ordered_json out{{"dhr", diffuse.unpolarized}, {"dhr_s", diffuse.s}, {"dhr_p", diffuse.p}};
     if (mirror.unpolarized > 0.0) {
@@ -200,12 +209,14 @@ void dhr(const Options& options, const Common& common) {
       out["mirror_p"] = mirror.p;
     }
     out["total"] = diffuse.unpolarized + mirror.unpolarized;
+    out["accuracy"] = diffuse.accuracy;
     std::cout << out.dump() << "\n";
     return;
   }
   std::cout.precision(8);
   std::cout << "DHR " << diffuse.unpolarized << "  (s " << diffuse.s << ", p " << diffuse.p
             << ")\n";
+  if (tabulated) std::cout << "integrated to " << diffuse.accuracy << "\n";
   if (mirror.unpolarized > 0.0) {
     std::cout << "and in the mirror direction " << mirror.unpolarized << "  (s " << mirror.s
               << ", p " << mirror.p << ")\n";
@@ -216,7 +227,8 @@ void add_model_options(CLI::App& command, Options& options) {
   command.add_option("name", options.name, "model, or sum such as microfacet+nef")->required();
   command
       .add_option("--set", options.settings,
-                  "parameter or choice, NAME=VALUE; repeatable (umov model show NAME lists them)")
+                  "parameter, choice or file, NAME=VALUE; repeatable (umov model show NAME lists "
+                  "them)")
       ->allow_extra_args(false);
 }
 
@@ -237,8 +249,8 @@ void add_model_command(CLI::App& root, const Common& common) {
   CLI::App* list_command = model->add_subcommand("list", "all models and their parameters");
   list_command->callback([&common] { list(common); });
 
-  CLI::App* show_command =
-      model->add_subcommand("show", "a model's parameters, units, ranges and choices");
+  CLI::App* show_command = model->add_subcommand(
+      "show", "a model's formula, parameters, units, ranges, choices, limits");
   add_model_options(*show_command, *options);
   show_command->callback([options, &common] { show(*options, common); });
 
@@ -259,6 +271,7 @@ void add_model_command(CLI::App& root, const Common& common) {
   add_beam_options(*dhr_command, *options);
   dhr_command->callback([options, &common] { dhr(*options, common); });
 
+  add_model_check(*model, common);
   for (CLI::App* command : {list_command, show_command, eval_command, dhr_command})
     command->fallthrough();
 }

@@ -5,6 +5,7 @@
 
 #include "host/errors/error.hpp"
 #include "host/formats/h5_kind.hpp"
+#include "host/formats/hdf5_image.hpp"
 
 namespace umov::cli {
 namespace {
@@ -24,11 +25,12 @@ std::string first_bytes(const std::string& path, std::size_t count) {
 
 /// A scan as HDF5 or CSV, or the journal of one.
 bool is_raw_data(const std::string& path) {
-  const std::string start = first_bytes(path, 64);
+  const std::string start = first_bytes(path, 1024);
   if (start.starts_with("UMOVJNL") || start.starts_with("# format: umov scan csv") ||
       start.starts_with("index,time_s,")) {
     return true;
   }
+  if (!formats::looks_like_hdf5(start)) return false;
   try {
     return formats::h5_kind(path) == formats::H5Kind::scan;
   } catch (const Error&) {

@@ -9,6 +9,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "host/errors/error.hpp"
 
 namespace umov::formats {
@@ -78,10 +80,27 @@ void replace_file(const std::filesystem::path& target, std::string_view bytes) {
   file.commit();
 }
 
-std::string read_whole_file(const std::filesystem::path& path) {
+void require_readable_size(std::size_t bytes, const std::string& name, std::size_t most) {
+  if (bytes > most)
+    throw Error(Place{name},
+                fmt::format("is larger than {:.4g} MB, the most that is read",
+                            static_cast<double>(most) * 1e-6),
+                "is it the file you mean? a larger one has to be split");
+}
+
+std::string read_whole_file(const std::filesystem::path& path, std::size_t most) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored))
+  const auto status = std::filesystem::status(path, ignored);
+  if (std::filesystem::is_directory(status))
     throw Error(Place{path.string()}, "is a folder", "name a file");
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
+      !std::filesystem::is_fifo(status))
+    throw Error(Place{path.string()}, "is a device or socket, not a file", "name a file or pipe");
+  if (std::filesystem::is_regular_file(status)) {
+    // What the size says may change, so that the reading below counts too.
+    const auto size = std::filesystem::file_size(path, ignored);
+    if (!ignored) require_readable_size(size, path.string(), most);
+  }
   std::ifstream in(path, std::ios::binary);
   if (!in)
     throw Error(Place{path.string()}, std::string("cannot open: ") + std::strerror(errno),
@@ -92,6 +111,7 @@ std::string read_whole_file(const std::filesystem::path& path) {
   while (in) {
     in.read(chunk.data(), static_cast<std::streamsize>(chunk.size()));
     bytes.append(chunk.data(), static_cast<std::size_t>(in.gcount()));
+    require_readable_size(bytes.size(), path.string(), most);
   }
   if (in.bad())
     throw Error(Place{path.string()}, std::string("cannot read: ") + std::strerror(errno),

@@ -2,7 +2,9 @@
 // rename.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace umov::formats {
@@ -29,8 +31,17 @@ class ReplacedFile {
 /// Writes `bytes` to `target` that way. Throws umov::Error.
 void replace_file(const std::filesystem::path& target, std::string_view bytes);
 
-/// Whole content of a file. Throws umov::Error where it is missing, a folder or unreadable.
-std::string read_whole_file(const std::filesystem::path& path);
+/// More than this is not read into memory.
+inline constexpr std::size_t largest_file_bytes = std::size_t{2} << 30;
+
+/// Throws umov::Error where `bytes` is more than `most`.
+void require_readable_size(std::size_t bytes, const std::string& name,
+                           std::size_t most = largest_file_bytes);
+
+/// Whole content of a file or pipe (/dev/stdin, a shell's <(…)). Throws umov::Error where it is
+/// missing, a folder, a device, larger than `most` bytes or unreadable.
+std::string read_whole_file(const std::filesystem::path& path,
+                            std::size_t most = largest_file_bytes);
 
 /// fsync of a folder, so that a new or renamed entry survives a power cut.
 void sync_folder_of(const std::filesystem::path& path);

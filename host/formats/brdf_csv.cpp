@@ -1,5 +1,6 @@
 #include "host/formats/brdf_csv.hpp"
 
+#include <cmath>
 #include <initializer_list>
 
 #include "host/formats/decimal.hpp"
@@ -19,6 +20,18 @@ void append_line(std::string& out, std::initializer_list<std::string> cells) {
     separator = ",";
   }
   out += "\n";
+}
+
+void append_mueller(std::string& out, const BrdfTable::Mueller& m) {
+  for (std::size_t n = 0; n < m.size(); ++n)
+    for (std::size_t k = 0; k < m.elements(); ++k) {
+      const std::size_t at = n * m.elements() + k, side = static_cast<std::size_t>(m.side);
+      if (std::isnan(m.mueller[at])) continue;
+      append_line(out, {"m" + std::to_string(k / side) + std::to_string(k % side),
+                        decimal_text(m.wavelength_nm[n]), decimal_text(m.theta_i_deg[n]),
+                        decimal_text(m.theta_r_deg[n]), decimal_text(m.phi_r_deg[n]), "", "",
+                        decimal_text(m.mueller[at]), decimal_text(m.mueller_u[at]), "1"});
+    }
 }
 
 }  // namespace
@@ -48,6 +61,7 @@ std::string brdf_csv_text(const BrdfTable& table) {
   for (std::size_t n = 0; n < h.dhr.size(); ++n)
     append_line(out, {"dhr", decimal_text(h.wavelength_nm[n]), decimal_text(h.theta_i_deg[n]), "",
                       "", "", "", decimal_text(h.dhr[n]), decimal_text(h.dhr_u[n]), "1"});
+  if (table.mueller) append_mueller(out, *table.mueller);
   return out;
 }
 

@@ -10,6 +10,7 @@
 #include "host/formats/content_hash.hpp"
 #include "host/formats/h5_header.hpp"
 #include "host/formats/hdf5_image.hpp"
+#include "host/formats/mueller_columns.hpp"
 #include "host/formats/scan_table.hpp"
 
 namespace umov::formats {
@@ -40,6 +41,7 @@ void check_table(const BrdfTable& table, const std::string& name) {
     for (const double value : factor.per_point)
       if (!std::isfinite(value)) fail("/covariance", "factor `" + factor.name + "` is not finite");
   }
+  if (table.mueller) check_mueller(*table.mueller, name);
 }
 
 }  // namespace
@@ -53,6 +55,10 @@ std::string content_sha256(const BrdfTable& table) {
     hash.column(column.path(), std::span<const Value>(values));
   });
   for (const BrdfTable::Factor& factor : table.factors) hash.column(factor.name, factor.per_point);
+  if (table.mueller)
+    for_each_mueller_column(*table.mueller, [&](const MuellerColumn& column, const auto& values) {
+      hash.column(column.path(), values);
+    });
   return hash.hex_digest();
 }
 
@@ -85,6 +91,7 @@ void write_brdf_h5(const std::filesystem::path& path, const BrdfTable& table,
     file.attribute("/covariance", "meaning",
                    "cov = diag(brdf_u^2) + sum over rows F of outer(F, F)");
   }
+  if (table.mueller) write_mueller(file, *table.mueller);
   replace_file(path, file.finish());
 }
 
@@ -114,6 +121,7 @@ BrdfFile read_brdf_h5(const std::filesystem::path& path) {
           {names[row], {start, start + static_cast<std::ptrdiff_t>(columns)}});
     }
   }
+  brdf.table.mueller = read_mueller(file);
   check_table(brdf.table, name);
   brdf.content_sha256 = content_sha256(brdf.table);
   verify_h5_content(file, brdf.content_sha256);

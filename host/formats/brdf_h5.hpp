@@ -3,7 +3,10 @@
 // Layout: /points/{theta_i_deg,theta_r_deg,phi_r_deg,wavelength_nm,polarizer_deg,analyzer_deg,
 // brdf_per_sr,brdf_u,used}, /dolp/{theta_i_deg,theta_r_deg,phi_r_deg,wavelength_nm,dolp,dolp_u},
 // /dhr/{wavelength_nm,theta_i_deg,dhr,dhr_u}, /covariance/{name,per_point[factor,point]} where
-// calibration couples points, /header/{key,value}; root attributes as in scan.h5.
+// calibration couples points, /mueller/{theta_i_deg,theta_r_deg,phi_r_deg,wavelength_nm,
+// mueller[direction,9 or 16],mueller_u[…],covariance[direction,45 or 136] (upper triangle row by
+// row; may be absent),condition,chi2,degrees_of_freedom,realisable_z} where Mueller elements are
+// known, /header/{key,value}; root attributes as in scan.h5.
 #pragma once
 
 #include <filesystem>

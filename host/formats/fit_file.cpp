@@ -210,6 +210,19 @@ std::string fit_to_json(const FitResult& fit) {
   }
   out["identifiability"] = fit.identifiability;
   out["notes"] = fit.notes;
+  out["priors"] = fit.priors;
+  out["remedies"] = Json::array();
+  for (const auto& remedy : fit.remedies) {
+    const auto optional = [](const std::optional<double>& value) {
+      return value ? number(*value) : Json(nullptr);
+    };
+    out["remedies"].push_back({{"parameters", remedy.parameters},
+                               {"data", remedy.data},
+                               {"points", remedy.points},
+                               {"sigma_ratio", number(remedy.sigma_ratio)},
+                               {"correlation_now", optional(remedy.correlation_now)},
+                               {"correlation_then", optional(remedy.correlation_then)}});
+  }
   out["dhr"] = Json::array();
   for (const auto& dhr : fit.dhr) {
     out["dhr"].push_back({{"wavelength_nm", dhr.wavelength_nm},
@@ -235,6 +248,20 @@ std::string fit_to_json(const FitResult& fit) {
     rows.push_back(std::move(line));
   }
   out["covariance"] = {{"names", fit.covariance.names}, {"matrix", std::move(rows)}};
+  Json coordinates = Json::array();
+  for (const auto& k : fit.covariance.coordinates) {
+    coordinates.push_back({{"scale", k.scale},
+                           {"at", number(k.at)},
+                           {"lo", number(k.lo)},
+                           {"hi", number(k.hi)},
+                           {"centre", number(k.centre)}});
+  }
+  out["covariance"]["coordinates"] = std::move(coordinates);
+  Json orders = Json::array();
+  for (const auto& order : fit.covariance.orders) {
+    orders.push_back({{"value", number(order.value)}, {"slope", order.slope}});
+  }
+  out["covariance"]["orders"] = std::move(orders);
   out["objective_kind"] = fit.objective_kind;
   out["objective"] = number(fit.objective);
   out["chi2"] = number(fit.chi2);
@@ -307,6 +334,24 @@ FitResult fit_from_json(const std::string& text, const std::string& file) {
   }
   fit.identifiability = reader.texts_or(root, "identifiability");
   fit.notes = reader.texts_or(root, "notes");
+  fit.priors = reader.texts_or(root, "priors");
+  if (const auto list = root.find("remedies"); list != root.end()) {
+    for (const Json& item : reader.array(*list, "remedies")) {
+      if (!item.is_object()) reader.fail("remedies", "needs objects");
+      FitResult::Remedy remedy;
+      remedy.parameters = reader.texts_or(item, "parameters");
+      remedy.data = reader.text_or(item, "data");
+      remedy.points = reader.count_or(item, "points", 0);
+      remedy.sigma_ratio = reader.real_or(item, "sigma_ratio", 1);
+      if (const auto now = item.find("correlation_now"); now != item.end()) {
+        remedy.correlation_now = optional_real(*now);
+      }
+      if (const auto then = item.find("correlation_then"); then != item.end()) {
+        remedy.correlation_then = optional_real(*then);
+      }
+      fit.remedies.push_back(std::move(remedy));
+    }
+  }
   if (const auto list = root.find("dhr"); list != root.end()) {
     for (const Json& item : reader.array(*list, "dhr")) {
       if (!item.is_object()) reader.fail("dhr", "needs objects");
@@ -336,6 +381,32 @@ FitResult fit_from_json(const std::string& text, const std::string& file) {
     const std::size_t size = fit.covariance.names.size();
     if (fit.covariance.values.size() != size * size) {
       reader.fail("covariance", "is not square in its names");
+    }
+    if (const auto list = block->find("coordinates"); list != block->end()) {
+      for (const Json& item : reader.array(*list, "covariance.coordinates")) {
+        if (!item.is_object()) reader.fail("covariance.coordinates", "needs objects");
+        fit.covariance.coordinates.push_back(
+            {reader.text_or(item, "scale"), reader.real_or(item, "at", 0),
+             reader.real_or(item, "lo", 0), reader.real_or(item, "hi", 0),
+             reader.real_or(item, "centre", 0)});
+      }
+      const std::size_t count = fit.covariance.coordinates.size();
+      if (count != 0 && count != size) {
+        reader.fail("covariance.coordinates", "has not one entry a name");
+      }
+    }
+    if (const auto list = block->find("orders"); list != block->end()) {
+      for (const Json& item : reader.array(*list, "covariance.orders")) {
+        if (!item.is_object()) reader.fail("covariance.orders", "needs objects");
+        FitResult::Covariance::Order order;
+        order.value = reader.real_or(item, "value", 0);
+        for (const Json& slope : reader.array(reader.need(item, "slope"), "covariance.orders")) {
+          order.slope.push_back(reader.real(slope, "covariance.orders"));
+        }
+        if (order.slope.size() != size)
+          reader.fail("covariance.orders", "has not one slope a name");
+        fit.covariance.orders.push_back(std::move(order));
+      }
     }
   }
   if (root.contains("objective_kind")) fit.objective_kind = reader.text_or(root, "objective_kind");

@@ -52,6 +52,18 @@ struct FitResult {
   std::vector<Correlation> correlations;
   std::vector<std::string> identifiability;  ///< sentences
   std::vector<std::string> notes;            ///< sentences: misfit, outliers, convergence
+  std::vector<std::string> priors;           ///< knowledge put in, "n = 1.5 ± 0.02"
+
+  /// What more data would do for numbers that these data confuse or leave open, by the linearised
+  /// fit with hypothetical points added.
+  struct Remedy {
+    std::vector<std::string> parameters;  ///< one or two, as in at_bound
+    std::string data;                     ///< "rows out of the plane of incidence"
+    std::size_t points = 0;               ///< added
+    double sigma_ratio = 1;  ///< standard deviation then over now, of the one that gains most
+    std::optional<double> correlation_now, correlation_then;  ///< of two parameters
+  };
+  std::vector<Remedy> remedies;
 
   struct Dhr {
     double wavelength_nm = 0, theta_i_deg = 0;
@@ -72,6 +84,21 @@ struct FitResult {
   struct Covariance {
     std::vector<std::string> names;  ///< as in at_bound
     std::vector<double> values;      ///< row by row, names.size()² numbers
+
+    /// The coordinate x in which the fit moved: x = p, ln p or p². Intervals near limits are those
+    /// of a normal distribution in x between lo and hi whose optimum without limits lies at
+    /// at + centre.
+    struct Coordinate {
+      std::string scale = "linear";  ///< or "logarithmic", "square"
+      double at = 0, lo = 0, hi = 0, centre = 0;
+    };
+    std::vector<Coordinate> coordinates = {};  ///< one a name; none in files of version 0.1.0
+    /// A prior order among parameters: adds max(0, value + slope·d)² to chi² at the offset d in x.
+    struct Order {
+      double value = 0;
+      std::vector<double> slope;  ///< one a name
+    };
+    std::vector<Order> orders = {};
   } covariance;
 
   std::string objective_kind = "noise-weighted";  ///< or "paper"

@@ -15,6 +15,7 @@ constexpr std::string_view user_block_start = "umov hdf5 file, sha256 of all byt
 constexpr std::string_view signature = "\x89HDF\r\n\x1a\n";
 constexpr hsize_t most_entries = 50'000'000;
 constexpr hsize_t chunk_entries = 65536;
+constexpr double most_compression = 1100.0;  // deflate cannot exceed 1032 : 1
 constexpr unsigned deflate_level = 3;
 
 void silence_library() {
@@ -149,6 +150,16 @@ void Hdf5Builder::store(const std::string& path, std::span<const hsize_t> dimens
     check(H5Pset_chunk(creation.get(), static_cast<int>(chunk.size()), chunk.data()), path);
     check(H5Pset_shuffle(creation.get()), path);
     check(H5Pset_deflate(creation.get(), deflate_level), path);
+  } else if (dimensions.size() > 2 && H5Sget_simple_extent_npoints(space.get()) >= 4096) {
+    std::vector<hsize_t> chunk(dimensions.size(), 1);
+    hsize_t entries = 1;
+    for (std::size_t d = chunk.size(); d-- > 0 && entries < chunk_entries;) {
+      chunk[d] = std::min(dimensions[d], std::max<hsize_t>(chunk_entries / entries, 1));
+      entries *= chunk[d];
+    }
+    check(H5Pset_chunk(creation.get(), static_cast<int>(chunk.size()), chunk.data()), path);
+    check(H5Pset_shuffle(creation.get()), path);
+    check(H5Pset_deflate(creation.get(), deflate_level), path);
   }
   const Hdf5Handle made(check(H5Dcreate2(file_.get(), path.c_str(), file_type, space.get(),
                                          H5P_DEFAULT, creation.get(), H5P_DEFAULT),
@@ -189,6 +200,12 @@ void Hdf5Builder::matrix(const std::string& path, std::span<const double> values
   store(path, size, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values.data(), unit);
 }
 
+void Hdf5Builder::array(const std::string& path, std::span<const double> values,
+                        std::span<const std::size_t> shape, const std::string& unit) {
+  const std::vector<hsize_t> dimensions(shape.begin(), shape.end());
+  store(path, dimensions, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values.data(), unit);
+}
+
 std::string Hdf5Builder::finish() {
   check(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL), "/");
   const ssize_t size = H5Fget_file_image(file_.get(), nullptr, 0);
@@ -210,7 +227,8 @@ bool looks_like_hdf5(std::string_view bytes) {
          (bytes.size() > user_block_size && bytes.substr(user_block_size).starts_with(signature));
 }
 
-Hdf5Reader::Hdf5Reader(std::string_view bytes, std::string name) : name_(std::move(name)) {
+Hdf5Reader::Hdf5Reader(std::string_view bytes, std::string name)
+    : name_(std::move(name)), file_size_(bytes.size()) {
   silence_library();
   if (!looks_like_hdf5(bytes))
     throw Error(Place{name_}, "is not an HDF5 file", "give a file written by umov");
@@ -323,6 +341,21 @@ std::vector<double> Hdf5Reader::matrix(const std::string& path, std::size_t& row
   std::vector<double> values = numbers<double>(path, 2, H5T_NATIVE_DOUBLE, H5T_FLOAT, dimensions);
   rows = static_cast<std::size_t>(dimensions[0]);
   columns = static_cast<std::size_t>(dimensions[1]);
+  return values;
+}
+
+std::vector<double> Hdf5Reader::array(const std::string& path,
+                                      std::span<std::size_t> shape) const {
+  std::vector<hsize_t> dimensions;
+  open_dataset(path, shape.size(), dimensions);
+  double total = sizeof(double);
+  for (const hsize_t size : dimensions) total *= static_cast<double>(size);
+  if (total > most_compression * static_cast<double>(file_size_))
+    fail(path, "claims more numbers than the file has room for");
+  std::vector<double> values =
+      numbers<double>(path, shape.size(), H5T_NATIVE_DOUBLE, H5T_FLOAT, dimensions);
+  std::transform(dimensions.begin(), dimensions.end(), shape.begin(),
+                 [](hsize_t size) { return static_cast<std::size_t>(size); });
   return values;
 }
 

@@ -51,6 +51,9 @@ class Hdf5Builder {
   /// Row-major matrix [rows, columns].
   void matrix(const std::string& path, std::span<const double> values, std::size_t rows,
               std::size_t columns, const std::string& unit);
+  /// Row-major array of any number of dimensions.
+  void array(const std::string& path, std::span<const double> values,
+             std::span<const std::size_t> shape, const std::string& unit);
   /// The whole file: user block and HDF5 image. Ends the building.
   std::string finish();
 
@@ -78,6 +81,9 @@ class Hdf5Reader {
   /// Matrix [rows, columns], row by row.
   std::vector<double> matrix(const std::string& path, std::size_t& rows,
                              std::size_t& columns) const;
+  /// Array of shape.size() dimensions, row-major; its lengths go to `shape`. An array that claims
+  /// more numbers than the file's size can hold even when compressed is refused.
+  std::vector<double> array(const std::string& path, std::span<std::size_t> shape) const;
   [[noreturn]] void fail(const std::string& path, const std::string& problem) const;
 
  private:
@@ -87,6 +93,7 @@ class Hdf5Reader {
   std::vector<T> numbers(const std::string& path, std::size_t rank, hid_t memory_type,
                          H5T_class_t wanted, std::vector<hsize_t>& dimensions) const;
   std::string name_;
+  std::size_t file_size_ = 0;
   Hdf5Handle file_;
 };
 

@@ -1,10 +1,16 @@
 #include "host/formats/mueller_table.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
+#include <fmt/format.h>
+
+#include "host/errors/error.hpp"
 #include "host/formats/scan_table.hpp"
 #include "host/optics/mueller.hpp"
+#include "host/optics/realisability.hpp"
 
 namespace umov::formats {
 namespace {
@@ -75,6 +81,78 @@ BrdfTable to_brdf_table(const MuellerTable& table, const std::vector<Polarizatio
     d.dolp_u.push_back(std::numbers::sqrt2 * mueller[0] * table.element_relative_u[n] / all);
   }
   return brdf;
+}
+
+namespace {
+
+BrdfTable::Mueller matrices(const MuellerTable& table) {
+  BrdfTable::Mueller m;
+  m.side = 4;
+  m.theta_i_deg = table.theta_i_deg;
+  m.theta_r_deg = table.theta_r_deg;
+  m.phi_r_deg = table.phi_r_deg;
+  m.wavelength_nm = table.wavelength_nm;
+  for (std::size_t n = 0; n < table.size(); ++n) {
+    const auto& f = table.mueller[n];
+    const double scale = table.m00_relative_u[n];
+    const double scatter = f[0] * table.element_relative_u[n];
+    double variance = 0;
+    const auto found = optics::realisability(f);
+    for (std::size_t k = 0; k < 16; ++k) {
+      m.mueller.push_back(f[k]);
+      m.mueller_u.push_back(k == 0 ? scale * f[0] : std::hypot(scale * f[k], scatter));
+      if (k > 0) variance += found.slope[k] * found.slope[k] * scatter * scatter;
+    }
+    // The eigenvalue goes with the scale.
+    variance += found.least_eigenvalue * found.least_eigenvalue * scale * scale;
+    m.realisable_z.push_back(variance > 0 ? found.least_eigenvalue / std::sqrt(variance)
+                                          : std::numeric_limits<double>::quiet_NaN());
+  }
+  m.condition.assign(table.size(), 1.0);
+  m.chi2.assign(table.size(), 0.0);
+  m.dof.assign(table.size(), 0.0);
+  return m;
+}
+
+}  // namespace
+
+BrdfTable independent_channels(const MuellerTable& table) {
+  constexpr double p = 0, s = 90;
+  const std::vector<PolarizationState> states = {{p, p}, {p, s}, {s, p}, {s, s}};
+  BrdfTable brdf = to_brdf_table(table, states);
+  for (std::size_t i = 0; i < brdf.points.size(); ++i) {
+    const std::size_t n = i / states.size();
+    brdf.points.brdf_u[i] =
+        table.mueller[n][0] * std::max(table.m00_relative_u[n], table.element_relative_u[n]);
+  }
+  brdf.mueller = matrices(table);
+  return brdf;
+}
+
+MuellerTable mueller_table(const BrdfTable& brdf) {
+  if (!brdf.mueller || brdf.mueller->side != 4)
+    throw Error("the table has no 4 x 4 Mueller elements",
+                "import one, such as the NIST PTFE table");
+  const BrdfTable::Mueller& m = *brdf.mueller;
+  MuellerTable table;
+  table.keys = brdf.keys;
+  table.theta_i_deg = m.theta_i_deg;
+  table.theta_r_deg = m.theta_r_deg;
+  table.phi_r_deg = m.phi_r_deg;
+  table.wavelength_nm = m.wavelength_nm;
+  for (std::size_t n = 0; n < m.size(); ++n) {
+    std::array<double, 16> f{};
+    for (std::size_t k = 0; k < 16; ++k) f[k] = m.mueller[16 * n + k];
+    if (!(f[0] > 0))
+      throw Error(fmt::format("m00 of matrix {} is not positive", n), "check the file");
+    table.mueller.push_back(f);
+    const double scale = m.mueller_u[16 * n] / f[0];
+    table.m00_relative_u.push_back(scale);
+    // The scale's share in m11 taken out again.
+    const double u11 = m.mueller_u[16 * n + 5] / f[0], of_scale = scale * f[5] / f[0];
+    table.element_relative_u.push_back(std::sqrt(std::max(0.0, u11 * u11 - of_scale * of_scale)));
+  }
+  return table;
 }
 
 }  // namespace umov::formats

@@ -3,6 +3,7 @@
 #include <istream>
 
 #include "host/errors/error.hpp"
+#include "host/formats/atomic_file.hpp"
 #include "host/formats/decimal.hpp"
 #include "host/formats/text_lines.hpp"
 
@@ -14,6 +15,7 @@ std::string read_stream(std::istream& in, const std::string& name) {
   while (in) {
     in.read(chunk.data(), static_cast<std::streamsize>(chunk.size()));
     text.append(chunk.data(), static_cast<std::size_t>(in.gcount()));
+    require_readable_size(text.size(), name);
   }
   if (in.bad()) throw Error(Place{name}, "cannot read", "check the source");
   return text;
@@ -63,6 +65,7 @@ void read_number_csv(std::string_view text, const std::string& name,
            "the line has " + std::to_string(fields.size()) + " fields, not " +
                std::to_string(columns.size()),
            "one value a column; the file may have been cut off");
+    lines.require_line_end(line, name);
     for (std::size_t i = text_columns; i < columns.size(); ++i)
       if (const char* problem = read_decimal(fields[i], numbers[i - text_columns]))
         fail(columns[i],

@@ -11,8 +11,8 @@
 namespace umov::formats {
 
 /// Calls `row(texts, numbers, line)` for every line after the header. The header must name exactly
-/// `columns`; the first `text_columns` of them hold text, the others finite numbers. Throws
-/// umov::Error with file, line and column.
+/// `columns`; the first `text_columns` of them hold text, the others finite numbers. The last line
+/// needs its line end. Throws umov::Error with file, line and column.
 void read_number_csv(
     std::string_view text, const std::string& name, std::span<const std::string_view> columns,
     std::size_t text_columns,

@@ -1,5 +1,6 @@
 #include "host/formats/text_lines.hpp"
 
+#include "host/errors/error.hpp"
 #include "host/formats/decimal.hpp"
 
 namespace umov::formats {
@@ -12,6 +13,7 @@ bool LineReader::next(std::string_view& line) {
   if (rest_.empty()) return false;
   const std::size_t end = rest_.find('\n');
   line = rest_.substr(0, end);
+  within_line_ = end == std::string_view::npos;
   rest_ = end == std::string_view::npos ? std::string_view{} : rest_.substr(end + 1);
   if (line.ends_with('\r')) line.remove_suffix(1);
   ++number_;
@@ -20,6 +22,12 @@ bool LineReader::next(std::string_view& line) {
 
 bool LineReader::only_blank_left() const {
   return rest_.find_first_not_of(" \t\r\n") == std::string_view::npos;
+}
+
+void LineReader::require_line_end(std::string_view line, const std::string& file) const {
+  if (within_line_ && !is_blank(line))
+    throw Error(Place{file, number_}, "the file ends within a line: cut off?",
+                "fetch the whole file; if it is whole, end its last line with a line end");
 }
 
 void split_fields(std::string_view line, std::vector<std::string_view>& fields) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -14,12 +15,19 @@ class LineReader {
   /// Next line into `line`; false at the end.
   bool next(std::string_view& line);
   std::size_t line_number() const { return number_; }  ///< 1-based, of the line last returned
+  std::size_t bytes_left() const { return rest_.size(); }
   /// True where nothing but blank lines follows.
   bool only_blank_left() const;
+  /// The line last returned has no line end behind it: the text may be cut off within it.
+  bool within_line() const { return within_line_; }
+  /// Refuses such a line, unless it is blank: where the last field is a number, one that lost
+  /// digits is a number still. Throws umov::Error; `file` stands in it.
+  void require_line_end(std::string_view line, const std::string& file) const;
 
  private:
   std::string_view rest_;
   std::size_t number_ = 0;
+  bool within_line_ = false;
 };
 
 /// Fields between commas, trimmed of blanks. `fields` is reused.

@@ -12,6 +12,25 @@ constexpr double smallest_square = 1e-10;
 
 }  // namespace
 
+const char* scale_name(Scale scale) {
+  switch (scale) {
+    case Scale::logarithmic:
+      return "logarithmic";
+    case Scale::square:
+      return "square";
+    case Scale::linear:
+      break;
+  }
+  return "linear";
+}
+
+Scale scale_named(const std::string& name) {
+  for (const Scale scale : {Scale::logarithmic, Scale::square}) {
+    if (name == scale_name(scale)) return scale;
+  }
+  return Scale::linear;
+}
+
 double Coordinate::to_x(double parameter) const {
   const double p = std::clamp(parameter, lo, hi);
   switch (scale) {

@@ -14,6 +14,11 @@ enum class Scale {
                 ///< derivative by p vanishes at 0 and a step along p would never leave it
 };
 
+/// "linear", "logarithmic", "square".
+const char* scale_name(Scale scale);
+/// The reverse; linear for other text.
+Scale scale_named(const std::string& name);
+
 /// A mapping with limits, in the parameter's unit.
 struct Coordinate {
   Scale scale = Scale::linear;

@@ -87,10 +87,65 @@ double share_of_range(const Layout& layout, const Posterior& posterior, std::siz
   return 1.96 * posterior.sigma(free) / (k.scale == Scale::square ? std::min(1.0, span) : span);
 }
 
+/// The singular vector of the scaled Jacobian that the data know least, in words: the widest axis
+/// of the parameters' correlation, where it is much wider than independent parameters would make
+/// it. Vague parameters, which are told one by one, are left out.
+std::string weakest_combination(const Layout& layout, const Eigen::MatrixXd& covariance,
+                                const std::vector<bool>& vague) {
+  std::vector<Eigen::Index> members;
+  for (std::size_t i = 0; i < vague.size(); ++i) {
+    if (!vague[i]) members.push_back(static_cast<Eigen::Index>(i));
+  }
+  if (members.size() < 2) return "";
+  const Eigen::MatrixXd part = covariance(members, members);
+  const Eigen::VectorXd unit = part.diagonal().cwiseSqrt();
+  const Eigen::MatrixXd correlation =
+      unit.cwiseInverse().asDiagonal() * part * unit.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
+  const Eigen::Index last = correlation.rows() - 1;
+  // Eigenvalues of the correlation are squares of inverse singular values of the scaled Jacobian.
+  const double spread =
+      std::sqrt(eigen.eigenvalues()[last] / std::max(eigen.eigenvalues()[0], 1e-300));
+  if (spread < 10) return "";
+  Eigen::VectorXd axis = eigen.eigenvectors().col(last);
+  Eigen::Index largest = 0;
+  axis.cwiseAbs().maxCoeff(&largest);
+  if (axis[largest] < 0) axis = -axis;
+  std::string terms;
+  for (Eigen::Index i = 0; i < axis.size(); ++i) {
+    if (std::abs(axis[i]) < 0.3) continue;
+    terms += (terms.empty() ? ""
+              : axis[i] < 0 ? " - "
+                            : " + ") +
+             (terms.empty() && axis[i] < 0 ? std::string("-") : std::string()) +
+             number_text(std::abs(axis[i])) + " " +
+             layout.label(static_cast<std::size_t>(members[static_cast<std::size_t>(i)]));
+  }
+  return "the combination that the data know least, each in units of its own uncertainty, is " +
+         terms + ": " + number_text(spread) + " times wider than the best known one";
+}
+
+/// "unpolarised data in the plane of incidence".
+std::string kind_of(const Observations& data) {
+  bool polarised = false, out_of_plane = false;
+  for (const Spectrum& spectrum : data.spectra) {
+    for (const Channel& channel : spectrum.channels) {
+      for (std::size_t i = 1; i < 16; ++i) polarised = polarised || channel.weight[i] != 0;
+    }
+    for (const Site& site : spectrum.sites) {
+      const auto& g = site.view.geometry;
+      out_of_plane = out_of_plane || std::abs(std::sin(g.theta_r) * std::sin(g.phi_r)) > 0.01;
+    }
+  }
+  return std::string(polarised ? "polarised" : "unpolarised") + " data " +
+         (out_of_plane ? "in and out of" : "in") + " the plane of incidence";
+}
+
 }  // namespace
 
-void describe_identifiability(const Layout& layout, const Posterior& posterior,
-                              formats::FitResult& fit) {
+void describe_identifiability(const Layout& layout, const Observations& data,
+                              const Posterior& posterior, formats::FitResult& fit) {
+  const std::string kind = kind_of(data);
   const Eigen::MatrixXd& covariance = posterior.covariance_given_calibration();
   const std::size_t n = layout.size();
   std::vector<bool> paired(n, false), vague(n, false);
@@ -146,9 +201,17 @@ void describe_identifiability(const Layout& layout, const Posterior& posterior,
       const std::string where = at_text(first, second, layout);
       const std::string names = where.empty() ? layout.label(i) + " and " + layout.label(j)
                                               : pair.first + " and " + pair.second;
-      fit.identifiability.push_back(
-          names + (apart ? " are hard to separate" : " cannot be separated") + where +
-          ": correlation " + signed_text(r) + combination_text(layout, covariance, fit, i, j));
+      fit.identifiability.push_back(names +
+                                    (apart ? " are hard to separate" : " cannot be separated") +
+                                    where + " by " + kind + ": correlation " + signed_text(r) +
+                                    combination_text(layout, covariance, fit, i, j));
+    }
+  }
+
+  if (n >= 2) {
+    if (const std::string weakest = weakest_combination(layout, covariance, vague);
+        !weakest.empty()) {
+      fit.identifiability.push_back(weakest);
     }
   }
 

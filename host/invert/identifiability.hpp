@@ -12,7 +12,7 @@ namespace umov::invert {
 /// Fills correlations, identifiability and the estimates' `identifiable` of a result whose
 /// parameters and derived quantities are set. Judged with the calibration held: a gain error common
 /// to all coefficients is not a confusion between them.
-void describe_identifiability(const Layout& layout, const Posterior& posterior,
-                              formats::FitResult& fit);
+void describe_identifiability(const Layout& layout, const Observations& data,
+                              const Posterior& posterior, formats::FitResult& fit);
 
 }  // namespace umov::invert

@@ -1,57 +1,25 @@
 #include "host/invert/invert.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <mutex>
-#include <set>
 
-#include "host/brdf/dhr.hpp"
 #include "host/brdf/model.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/brdf_h5.hpp"
-#include "host/invert/dhr_gradient.hpp"
+#include "host/invert/estimates.hpp"
+#include "host/invert/further_data.hpp"
+#include "host/invert/held_out.hpp"
 #include "host/invert/identifiability.hpp"
-#include "host/invert/minimise.hpp"
-#include "host/invert/parallel.hpp"
 #include "host/invert/posterior.hpp"
+#include "host/invert/search.hpp"
 #include "host/invert/starts.hpp"
-#include "host/optics/angles.hpp"
+#include "host/invert/stopwatch.hpp"
 
 namespace umov::invert {
 namespace {
 
-using formats::Estimate;
-using formats::FitParameter;
 using formats::FitResult;
-
-/// Geometries of each scan that the starting stage looks at, and the share of the BRDF by which the
-/// model may be off there: enough to smooth the way to the optimum.
-constexpr std::size_t sites_per_scan = 20;
-constexpr double starting_floor = 0.03;
-/// Distinct candidates that are followed to the end.
-constexpr std::size_t finalists = 2;
-constexpr std::size_t held_out_stride = 5;
-/// Reflectance is listed at so many of the data's incidences unless the user names them.
-constexpr std::size_t most_incidences = 10;
-
-class Clock {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return seconds;
-  }
-  double total() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - first_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point first_ = std::chrono::steady_clock::now();
-  std::chrono::steady_clock::time_point last_ = first_;
-};
 
 std::string text(const char* format, auto... values) {
   char out[256];
@@ -89,256 +57,11 @@ Observations with_signal(const Observations& data, const formats::BrdfTable& tab
   return select(data, keep);
 }
 
-struct Found {
-  Solution solution;
-  double scale = 1;
-  std::size_t starts = 0, agreeing = 0;
-  int start_iterations = 0;
-};
-
-/// Many starts on thinned data, the best different ones on all of it.
-Found search(const Layout& layout, const Observations& data, const Options& options, FitResult& fit,
-             Clock& clock) {
-  const auto report = [&](double share, const char* stage) {
-    if (options.progress) options.progress(share, stage);
-  };
-  const Observations thin = thinned(data, sites_per_scan, starting_floor);
-  report(0, "starting values");
-  const auto starts = starting_points(layout, thin, lobe_slope(data), options.starts, options.seed,
-                                      options.threads);
-  fit.phase_seconds.emplace_back("starting values", clock.lap());
-
-  std::vector<RobustSolution> tried(starts.size());
-  std::vector<double> merit(starts.size());
-  std::mutex reporting;
-  std::size_t done = 0;
-  for_each_index(starts.size(), options.threads, [&](std::size_t i) {
-    tried[i] = robust_least_squares(layout, thin, starts[i], {}, 4, 60);
-    merit[i] = measured_scale(layout, thin, tried[i].solution, 4);
-    const std::lock_guard lock(reporting);
-    ++done;
-    report(0.1 + 0.4 * static_cast<double>(done) / static_cast<double>(starts.size()), "starts");
-  });
-  fit.phase_seconds.emplace_back("starts", clock.lap());
-  std::vector<std::size_t> order(starts.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return merit[a] < merit[b]; });
-  Found out;
-  out.starts = starts.size();
-  std::vector<std::size_t> followed;
-  for (const std::size_t i : order) {
-    if (merit[i] <= merit[order.front()] * (1 + 1e-3)) ++out.agreeing;
-    const bool new_optimum = followed.empty() || merit[i] > merit[followed.back()] * (1 + 1e-3);
-    if (new_optimum && followed.size() < finalists && merit[i] < 1.5 * merit[order.front()]) {
-      followed.push_back(i);
-    }
-  }
-
-  report(0.5, "all points");
-  const std::vector<double> no_factor(
-      options.objective == Objective::paper ? 0 : data.factor_names.size(), 0.0);
-  std::vector<Solution> ended(followed.size());
-  std::vector<double> scales(followed.size(), 1.0), quality(followed.size());
-  for_each_index(followed.size(), options.threads, [&](std::size_t i) {
-    const std::vector<double>& x = tried[followed[i]].solution.x;
-    if (options.objective == Objective::paper) {
-      ended[i] = paper_bfgs(layout, data, x, options.max_iterations);
-      quality[i] = ended[i].objective;
-    } else {
-      RobustSolution robust = robust_least_squares(layout, data, x, no_factor, options.robust_sigma,
-                                                   options.max_iterations);
-      ended[i] = std::move(robust.solution);
-      scales[i] = robust.scale;
-      quality[i] = measured_scale(layout, data, ended[i], options.robust_sigma);
-    }
-  });
-  const auto best =
-      static_cast<std::size_t>(std::min_element(quality.begin(), quality.end()) - quality.begin());
-  out.start_iterations = tried[followed[best]].solution.iterations;
-  out.solution = std::move(ended[best]);
-  out.scale = scales[best];
-  fit.phase_seconds.emplace_back("all points", clock.lap());
-  return out;
-}
-
-void set_parameters(const Layout& layout, const Solution& solution, const Posterior& posterior,
-                    FitResult& fit) {
-  const auto& list = layout.model().parameters();
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    FitParameter parameter;
-    parameter.name = list[i].name;
-    parameter.unit = list[i].unit;
-    parameter.shared = layout.is_shared(i);
-    parameter.fixed = true;
-    const std::size_t count = parameter.shared ? 1 : fit.wavelengths_nm.size();
-    for (std::size_t w = 0; w < count; ++w) {
-      Estimate e;
-      e.value = layout.values(w, solution.x)[i];
-      e.lo = e.hi = e.value;
-      if (const auto free = layout.slot(w, i)) {
-        parameter.fixed = false;
-        const Coordinate& k = layout.free()[*free].coordinate;
-        const double x = solution.x[*free], span = k.hi_x() - k.lo_x();
-        if (x - k.lo_x() <= 1e-9 * span) {
-          e.at_bound = "lower";
-          e.value = k.lo;
-        } else if (k.hi_x() - x <= 1e-9 * span) {
-          e.at_bound = "upper";
-          e.value = k.hi;
-        }
-        if (!e.at_bound.empty()) fit.at_bound.push_back(layout.label(*free));
-        const Interval interval = posterior.parameter_interval(*free);
-        e.lo = std::min(interval.lo, e.value);
-        e.hi = std::max(interval.hi, e.value);
-        e.standard_error = (e.hi - e.lo) / (2 * 1.959963984540054);
-      }
-      parameter.estimates.push_back(e);
-    }
-    fit.parameters.push_back(std::move(parameter));
-  }
-}
-
-/// Adds a quantity made of two parameters, shared where both are.
-void add_derived(const Layout& layout, const Solution& solution, const Posterior& posterior,
-                 std::size_t first, std::size_t second, const std::string& name,
-                 const std::string& unit, auto value_and_slopes, FitResult& fit) {
-  FitParameter derived;
-  derived.name = name;
-  derived.unit = unit;
-  derived.shared = layout.is_shared(first) && layout.is_shared(second);
-  for (std::size_t w = 0; w < (derived.shared ? 1 : fit.wavelengths_nm.size()); ++w) {
-    const std::vector<double> values = layout.values(w, solution.x);
-    const auto [value, by_first, by_second] = value_and_slopes(values[first], values[second]);
-    Eigen::VectorXd by_x = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(layout.size()));
-    for (const auto& [parameter, by] : {std::pair{first, by_first}, {second, by_second}}) {
-      if (const auto free = layout.slot(w, parameter)) {
-        by_x[static_cast<Eigen::Index>(*free)] +=
-            by * layout.free()[*free].coordinate.slope(solution.x[*free]);
-      }
-    }
-    const Interval interval = posterior.interval(value, by_x);
-    Estimate e;
-    e.value = value;
-    e.lo = std::max(interval.lo, 0.0);  // slopes and reflectances are not negative
-    e.hi = interval.hi;
-    e.standard_error = (e.hi - e.lo) / (2 * 1.959963984540054);
-    derived.estimates.push_back(e);
-  }
-  fit.derived.push_back(std::move(derived));
-}
-
-void set_derived(const Layout& layout, const Solution& solution, const Posterior& posterior,
-                 FitResult& fit) {
-  struct Values {
-    double value, by_first, by_second;
-  };
-  const auto& list = layout.model().parameters();
-  const auto find = [&](const std::string& name) -> std::optional<std::size_t> {
-    for (std::size_t i = 0; i < list.size(); ++i) {
-      if (list[i].name == name) return i;
-    }
-    return std::nullopt;
-  };
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const std::string bare = bare_name(list[i].name);
-    const std::string part = list[i].name.substr(0, list[i].name.size() - bare.size());
-    if (bare == "sigma_um") {
-      if (const auto tau = find(part + "tau_um")) {
-        add_derived(
-            layout, solution, posterior, i, *tau, part + "slope_2sigma_over_tau", "1",
-            [](double sigma, double length) {
-              return Values{2 * sigma / length, 2 / length, -2 * sigma / (length * length)};
-            },
-            fit);
-      }
-    }
-    if (bare == "k_udf") {
-      if (const auto uds = find(part + "k_uds")) {
-        add_derived(
-            layout, solution, posterior, i, *uds, part + "k_udf+" + part + "k_uds", "1",
-            [](double udf, double below) {
-              return Values{udf + below, 1, 1};
-            },
-            fit);
-      }
-    }
-  }
-}
-
-void set_dhr(const Layout& layout, const formats::BrdfTable& table, const Solution& solution,
-             const Posterior& posterior, const Options& options, FitResult& fit) {
-  std::set<double> angles(options.dhr_theta_i_deg.begin(), options.dhr_theta_i_deg.end());
-  if (angles.empty()) {
-    angles.insert(0);
-    for (std::size_t i = 0; i < table.points.size(); ++i) {
-      if (table.points.used[i] != 0) angles.insert(table.points.theta_i_deg[i]);
-    }
-    if (angles.size() > most_incidences) {
-      const std::vector<double> all(angles.begin(), angles.end());
-      angles.clear();
-      for (std::size_t i = 0; i < most_incidences; ++i) {
-        angles.insert(all[i * (all.size() - 1) / (most_incidences - 1)]);
-      }
-    }
-  }
-  for (std::size_t w = 0; w < fit.wavelengths_nm.size(); ++w) {
-    for (const double angle : angles) fit.dhr.push_back({fit.wavelengths_nm[w], angle});
-  }
-  for_each_index(fit.dhr.size(), options.threads, [&](std::size_t i) {
-    FitResult::Dhr& entry = fit.dhr[i];
-    const std::size_t w = i / angles.size();
-    const double theta_i = optics::radians(entry.theta_i_deg);
-    const std::vector<double> values = layout.values(w, solution.x);
-    entry.mirror =
-        brdf::mirror_dhr(layout.model(), values, layout.wavelength_um(w), theta_i).unpolarized;
-    entry.value = brdf::dhr(layout.model(), values, layout.wavelength_um(w), theta_i).unpolarized +
-                  entry.mirror;
-    const Interval interval =
-        posterior.interval(entry.value, dhr_gradient(layout, solution.x, w, theta_i));
-    entry.lo = std::max(interval.lo, 0.0);
-    entry.hi = interval.hi;
-  });
-}
-
-/// Fits again without every fifth row and asks how that fit does on them.
-std::optional<double> held_out_gap(const Layout& layout, const Observations& data,
-                                   const Found& found, const Options& options) {
-  std::vector<std::vector<bool>> kept, held;
-  std::set<std::size_t> rows;
-  for (const Spectrum& spectrum : data.spectra) {
-    kept.emplace_back();
-    held.emplace_back();
-    for (const Observation& point : spectrum.points) {
-      const bool out = point.row % held_out_stride == held_out_stride - 1;
-      kept.back().push_back(!out);
-      held.back().push_back(out);
-      if (out) rows.insert(point.row);
-    }
-  }
-  const Observations training = select(data, kept), test = select(data, held);
-  for (const Spectrum& spectrum : training.spectra) {
-    if (spectrum.points.size() < layout.size()) return std::nullopt;
-  }
-  if (rows.empty()) return std::nullopt;
-  const Solution again =
-      options.objective == Objective::paper
-          ? paper_bfgs(layout, training, found.solution.x, options.max_iterations)
-          : least_squares(layout, training, found.solution.x, found.solution.c,
-                          {.scale = found.scale, .huber_sigma = options.robust_sigma}, 40);
-  double sum = 0;
-  for (std::size_t w = 0; w < test.spectra.size(); ++w) {
-    if (test.spectra[w].points.empty()) continue;
-    sum += residuals(layout, test, w, again.x, again.c, {}, false).r.squaredNorm();
-  }
-  return sum / static_cast<double>(test.size()) - 1;
-}
-
 }  // namespace
 
 FitResult invert(const formats::BrdfTable& table, const Options& options) {
   if (options.starts < 1) throw Error("a fit needs at least one start", "use 8 to 16");
-  Clock clock;
+  Stopwatch clock;
   const brdf::Model model = brdf::Model::by_name(options.model);
   Observations data = observations(table, options.floor_relative);
   FitResult fit;
@@ -352,6 +75,12 @@ FitResult invert(const formats::BrdfTable& table, const Options& options) {
     }
   }
   const Layout layout = layout_of(model, data, options);
+  if (options.objective == Objective::paper && !options.priors.empty()) {
+    throw Error("priors have no weight against relative deviations",
+                "use the noise-weighted objective with --prior");
+  }
+  const Priors priors(layout, options.priors);
+  for (const Prior& prior : options.priors) fit.priors.push_back(prior_text(prior));
   fit.model = model.name();
   fit.wavelengths_nm = layout.wavelengths_nm();
   fit.seed = options.seed;
@@ -360,7 +89,9 @@ FitResult invert(const formats::BrdfTable& table, const Options& options) {
   fit.objective_kind = options.objective == Objective::paper ? "paper" : "noise-weighted";
   fit.data_sha256 = formats::content_sha256(table);
 
-  const Found found = search(layout, data, options, fit, clock);
+  const Found found = search(layout, data, priors, options);
+  fit.phase_seconds = found.phase_seconds;
+  clock.lap();
   fit.objective = found.solution.objective;
   fit.iterations = static_cast<std::size_t>(found.start_iterations + found.solution.iterations);
   fit.converged = found.solution.converged;
@@ -388,21 +119,15 @@ FitResult invert(const formats::BrdfTable& table, const Options& options) {
   fit.interval_scale = scale;
 
   if (options.progress) options.progress(0.8, "intervals");
-  const Posterior posterior(layout, data, found.solution, options.objective, scale,
+  const Posterior posterior(layout, data, priors, found.solution, options.objective, scale,
                             options.robust_sigma);
   set_parameters(layout, found.solution, posterior, fit);
   set_derived(layout, found.solution, posterior, fit);
-  describe_identifiability(layout, posterior, fit);
-  for (std::size_t i = 0; i < layout.size(); ++i) {
-    fit.covariance.names.push_back(layout.label(i));
-    const double slope_i = layout.free()[i].coordinate.slope(found.solution.x[i]);
-    for (std::size_t j = 0; j < layout.size(); ++j) {
-      const double slope_j = layout.free()[j].coordinate.slope(found.solution.x[j]);
-      fit.covariance.values.push_back(
-          slope_i * slope_j *
-          posterior.covariance()(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
-    }
+  describe_identifiability(layout, data, posterior, fit);
+  if (options.objective == Objective::noise_weighted) {
+    describe_further_data({layout, data, priors, {.scale = scale}}, found.solution, fit);
   }
+  set_covariance(layout, found.solution, posterior, fit);
   for (std::size_t k = 0; k < found.solution.c.size(); ++k) {
     fit.factors.push_back({data.factor_names[k], found.solution.c[k],
                            posterior.factor_sigma()[static_cast<Eigen::Index>(k)]});
@@ -416,7 +141,7 @@ FitResult invert(const formats::BrdfTable& table, const Options& options) {
   }
   if (options.held_out) {
     if (options.progress) options.progress(0.95, "held-out rows");
-    fit.g2_held_out = held_out_gap(layout, data, found, options);
+    fit.g2_held_out = held_out_gap(layout, data, priors, found, options);
     fit.phase_seconds.emplace_back("held-out rows", clock.lap());
   }
 
@@ -452,6 +177,18 @@ FitResult invert(const formats::BrdfTable& table, const Options& options) {
                           " standard deviations: model and calibration disagree");
     }
   }
+  for (std::size_t i = 0; i < model.parameters().size(); ++i) {
+    const std::string& name = model.parameters()[i].name;
+    if (bare_name(name) != "n" || fit.parameters[i].fixed) continue;
+    const formats::FitParameter* kappa = fit.find(name.substr(0, name.size() - 1) + "kappa");
+    if (kappa == nullptr || fit.parameters[i].estimates.front().hi >= 1) continue;
+    const bool metal = std::all_of(kappa->estimates.begin(), kappa->estimates.end(),
+                                   [](const formats::Estimate& e) { return e.value >= 1; });
+    if (metal) continue;
+    fit.notes.push_back(name + text(" = %.3g", fit.parameters[i].estimates.front().value) +
+                        " without a metal's extinction is no surface in air: the lobe stands for "
+                        "something else, and its parameters mean nothing alone");
+  }
   if (fit.starts_agreeing < 2 && fit.starts > 2) {
     fit.notes.push_back("only one start reached the best objective: try more starts");
   }
@@ -464,7 +201,7 @@ std::vector<StartingValue> starting_values(const formats::BrdfTable& table,
   const brdf::Model model = brdf::Model::by_name(options.model);
   const Observations data = observations(table, options.floor_relative);
   const Layout layout = layout_of(model, data, options);
-  const Observations thin = thinned(data, sites_per_scan, starting_floor);
+  const Observations thin = starting_observations(data);
   const std::vector<double> x =
       starting_points(layout, thin, lobe_slope(data), options.starts, options.seed, options.threads)
           .front();

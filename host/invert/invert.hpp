@@ -27,6 +27,21 @@ struct Limits {
   double lo = 0, hi = 0;
 };
 
+/// Knowledge from elsewhere about one parameter; one term of the objective, and of the intervals.
+struct Prior {
+  enum class Kind {
+    normal,  ///< value ± u, one sigma, in the parameter's unit
+    order,   ///< the extinction at one wavelength far exceeds that at the others: a half-normal
+             ///< penalty on ratio² κ² − κ(strong)², u its scale
+  };
+  Kind kind = Kind::normal;
+  std::string name;                     ///< for an order "kappa", or "0.kappa" in a sum
+  std::optional<double> wavelength_nm;  ///< order: of the strong absorption; absent: the shortest
+  double value = 0;
+  double u = 0.01;
+  double ratio = 3;
+};
+
 enum class Objective {
   noise_weighted,  ///< sum of squared residuals over their uncertainties, robust
   paper,           ///< (P12): relative squared deviations, minimised by BFGS
@@ -40,6 +55,7 @@ struct Options {
   std::vector<std::string> free;  ///< fit these although the model holds them by default
   std::vector<Setting> start;
   std::vector<Limits> bound;
+  std::vector<Prior> priors;  ///< with the noise-weighted objective only
 
   Objective objective = Objective::noise_weighted;
   double robust_sigma = 4;  ///< Huber: beyond this many sigma a residual counts linearly; 0: never

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "host/invert/box_quadratic.hpp"
+
 namespace umov::invert {
 namespace {
 
@@ -14,20 +16,33 @@ constexpr double reach_sigmas = 4.5;
 }  // namespace
 
 LimitedProfile::LimitedProfile(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& centre,
-                               const Eigen::VectorXd& lo, const Eigen::VectorXd& hi)
+                               const Eigen::VectorXd& lo, const Eigen::VectorXd& hi,
+                               const std::vector<Hinge>& hinges)
     : centre_(centre) {
   const Eigen::VectorXd sigma = covariance.diagonal().cwiseSqrt();
+  std::vector<bool> bent(static_cast<std::size_t>(centre.size()), false);
+  for (const Hinge& hinge : hinges) {
+    const double reach = reach_sigmas * std::sqrt(hinge.slope.dot(covariance * hinge.slope));
+    if (std::max(hinge.value, hinge.value + hinge.slope.dot(centre)) + reach <= 0) continue;
+    hinges_.push_back(hinge);
+    for (Eigen::Index i = 0; i < centre.size(); ++i) {
+      if (hinge.slope[i] != 0) bent[static_cast<std::size_t>(i)] = true;
+    }
+  }
   for (Eigen::Index i = 0; i < centre.size(); ++i) {
     const double reach = reach_sigmas * sigma[i];
     const bool within =
         std::min(centre[i], 0.0) - reach < lo[i] || std::max(centre[i], 0.0) + reach > hi[i];
-    (within ? near_ : far_).push_back(i);
+    (within || bent[static_cast<std::size_t>(i)] ? near_ : far_).push_back(i);
   }
   if (near_.empty()) return;
   unit_ = sigma(near_);
   from_ = lo(near_).cwiseQuotient(unit_);
   to_ = hi(near_).cwiseQuotient(unit_);
   middle_ = centre(near_).cwiseQuotient(unit_);
+  for (Hinge& hinge : hinges_) {
+    hinge.slope = Eigen::VectorXd(hinge.slope(near_).cwiseProduct(unit_));
+  }
   const Eigen::MatrixXd correlation = unit_.cwiseInverse().asDiagonal() * covariance(near_, near_) *
                                       unit_.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
@@ -41,60 +56,35 @@ LimitedProfile::LimitedProfile(const Eigen::MatrixXd& covariance, const Eigen::V
 }
 
 double LimitedProfile::chi2(const Eigen::VectorXd& z) const {
-  return (z - middle_).dot(precision_ * (z - middle_));
+  double sum = (z - middle_).dot(precision_ * (z - middle_));
+  for (const Hinge& hinge : hinges_) {
+    const double over = std::max(0.0, hinge.value + hinge.slope.dot(z));
+    sum += over * over;
+  }
+  return sum;
 }
 
-/// Minimum of chi²(z) − 2 pull·z within the limits, by an active set: walk to the minimum of the
-/// coordinates that are free, stop at the first limit met, let go of a limit that no longer holds.
-Eigen::VectorXd LimitedProfile::minimise(const Eigen::VectorXd& pull, Eigen::VectorXd start) const {
-  const Eigen::Index n = middle_.size();
-  Eigen::VectorXd z = start.cwiseMax(from_).cwiseMin(to_);
-  std::vector<int> held(static_cast<std::size_t>(n));  // −1 at its lower limit, +1 at its upper one
-  for (Eigen::Index i = 0; i < n; ++i)
-    held[static_cast<std::size_t>(i)] = z[i] <= from_[i] ? -1 : z[i] >= to_[i] ? 1 : 0;
-  const int most_steps = 20 * static_cast<int>(n) + 20;
-  for (int step = 0; step < most_steps; ++step) {
-    const Eigen::VectorXd slope = precision_ * (z - middle_) - pull;
-    std::vector<Eigen::Index> free;
-    for (Eigen::Index i = 0; i < n; ++i)
-      if (held[static_cast<std::size_t>(i)] == 0) free.push_back(i);
-    double length = 1;
-    Eigen::Index blocking = -1;
-    if (!free.empty()) {
-      const Eigen::MatrixXd block = precision_(free, free);
-      const Eigen::VectorXd move = -block.ldlt().solve(slope(free));
-      for (std::size_t k = 0; k < free.size(); ++k) {
-        const Eigen::Index i = free[k];
-        const double d = move[static_cast<Eigen::Index>(k)];
-        const double room = d > 0 ? to_[i] - z[i] : from_[i] - z[i];
-        if (d != 0 && room / d < length) {
-          length = room / d;
-          blocking = i;
-        }
-      }
-      for (std::size_t k = 0; k < free.size(); ++k)
-        z[free[k]] += length * move[static_cast<Eigen::Index>(k)];
+/// Minimum of chi²(z) − 2 pull·z within the limits. Which hinges bend there is found by trying: a
+/// convex function, so a set that reproduces itself is the right one.
+Eigen::VectorXd LimitedProfile::minimise(const Eigen::VectorXd& pull,
+                                         const Eigen::VectorXd& start) const {
+  Eigen::VectorXd z = start;
+  std::vector<bool> bent(hinges_.size(), false);
+  for (int round = 0; round < 20; ++round) {
+    Eigen::MatrixXd a = precision_;
+    Eigen::VectorXd b = -(precision_ * middle_) - pull;
+    for (std::size_t h = 0; h < hinges_.size(); ++h) {
+      if (!bent[h]) continue;
+      a += hinges_[h].slope * hinges_[h].slope.transpose();
+      b += hinges_[h].value * hinges_[h].slope;
     }
-    if (blocking >= 0) {
-      const bool upper =
-          std::abs(z[blocking] - to_[blocking]) < std::abs(z[blocking] - from_[blocking]);
-      z[blocking] = upper ? to_[blocking] : from_[blocking];
-      held[static_cast<std::size_t>(blocking)] = upper ? 1 : -1;
-      continue;
+    z = minimum_in_box(a, b, from_, to_, z);
+    std::vector<bool> now(hinges_.size());
+    for (std::size_t h = 0; h < hinges_.size(); ++h) {
+      now[h] = hinges_[h].value + hinges_[h].slope.dot(z) > 0;
     }
-    const Eigen::VectorXd there = precision_ * (z - middle_) - pull;
-    Eigen::Index release = -1;
-    double worst = 1e-9 * (1 + pull.cwiseAbs().maxCoeff());
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const double outward =
-          -there[i] * held[static_cast<std::size_t>(i)];  // < 0: wants back inside
-      if (-outward > worst) {
-        worst = -outward;
-        release = i;
-      }
-    }
-    if (release < 0) break;
-    held[static_cast<std::size_t>(release)] = 0;
+    if (now == bent) break;
+    bent = now;
   }
   return z;
 }

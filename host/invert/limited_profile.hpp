@@ -6,6 +6,12 @@
 
 namespace umov::invert {
 
+/// A limit that gives way: adds max(0, value + slope·d)² to chi² at the offset d.
+struct Hinge {
+  double value = 0;
+  Eigen::VectorXd slope;
+};
+
 /// A normal likelihood of n coordinates, of which some can reach their limits. All positions are
 /// offsets from the constrained optimum.
 ///
@@ -17,9 +23,10 @@ class LimitedProfile {
  public:
   /// Everything is within reach of no limit.
   LimitedProfile() = default;
-  /// `centre`: the optimum if there were no limits; `lo` and `hi`: the limits.
+  /// `centre`: the optimum if there were no limits and hinges; `lo` and `hi`: the limits.
   LimitedProfile(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& centre,
-                 const Eigen::VectorXd& lo, const Eigen::VectorXd& hi);
+                 const Eigen::VectorXd& lo, const Eigen::VectorXd& hi,
+                 const std::vector<Hinge>& hinges = {});
 
   /// False where no limit matters; then extreme() must not be asked.
   bool limited() const { return !near_.empty(); }
@@ -28,11 +35,12 @@ class LimitedProfile {
   double extreme(const Eigen::VectorXd& by_x, int side, double rise) const;
 
  private:
-  Eigen::VectorXd minimise(const Eigen::VectorXd& pull, Eigen::VectorXd start) const;
+  Eigen::VectorXd minimise(const Eigen::VectorXd& pull, const Eigen::VectorXd& start) const;
   double chi2(const Eigen::VectorXd& z) const;
 
   std::vector<Eigen::Index> near_, far_;  ///< coordinates that can reach a limit, and the others
   Eigen::VectorXd centre_;
+  std::vector<Hinge> hinges_;  ///< those in reach, by the near coordinates in their sigmas
   // Of the near coordinates, in their sigmas:
   Eigen::VectorXd unit_, from_, to_, middle_;
   Eigen::MatrixXd precision_;

@@ -4,81 +4,25 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "host/invert/box_quadratic.hpp"
+#include "host/invert/normal_equations.hpp"
 
 namespace umov::invert {
 namespace {
 
-/// Residuals of one wavelength. Parameter blocks: one of size 1 for each active parameter, then,
-/// where there are factors, one of them all.
-class SpectrumCost final : public ceres::CostFunction {
- public:
-  SpectrumCost(const Layout& layout, const Observations& data, std::size_t wavelength,
-               std::size_t factors, const Weighting& weighting)
-      : layout_(layout),
-        data_(data),
-        wavelength_(wavelength),
-        factors_(factors),
-        weighting_(weighting) {
-    for (std::size_t a = 0; a < layout.active(wavelength).size(); ++a) {
-      mutable_parameter_block_sizes()->push_back(1);
-    }
-    if (factors > 0) mutable_parameter_block_sizes()->push_back(static_cast<int>(factors));
-    set_num_residuals(static_cast<int>(data.spectra[wavelength].points.size()));
-  }
-
-  bool Evaluate(double const* const* blocks, double* out, double** jacobians) const override {
-    const auto& active = layout_.active(wavelength_);
-    std::vector<double> x(layout_.size(), 0.0);
-    for (std::size_t a = 0; a < active.size(); ++a) {
-      x[*layout_.slot(wavelength_, static_cast<std::size_t>(active[a]))] = blocks[a][0];
-    }
-    const std::span<const double> c(factors_ > 0 ? blocks[active.size()] : nullptr, factors_);
-    const SpectrumResiduals part =
-        residuals(layout_, data_, wavelength_, x, c, weighting_, jacobians != nullptr);
-    const Eigen::Index points = part.r.size();
-    Eigen::Map<Eigen::VectorXd>(out, points) = part.r;
-    if (!part.r.allFinite()) return false;
-    if (jacobians == nullptr) return true;
-    if (!part.by_x.allFinite()) return false;
-    for (std::size_t a = 0; a < active.size(); ++a) {
-      if (jacobians[a] == nullptr) continue;
-      Eigen::Map<Eigen::VectorXd>(jacobians[a], points) =
-          part.by_x.col(static_cast<Eigen::Index>(a));
-    }
-    if (factors_ > 0 && jacobians[active.size()] != nullptr) {
-      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-          jacobians[active.size()], points, static_cast<Eigen::Index>(factors_)) = part.by_c;
-    }
-    return true;
-  }
-
- private:
-  const Layout& layout_;
-  const Observations& data_;
-  std::size_t wavelength_;
-  std::size_t factors_;
-  Weighting weighting_;
-};
-
-/// The factors' unit normal prior.
-class UnitPrior final : public ceres::CostFunction {
- public:
-  explicit UnitPrior(int size) : size_(size) {
-    mutable_parameter_block_sizes()->push_back(size);
-    set_num_residuals(size);
-  }
-  bool Evaluate(double const* const* blocks, double* out, double** jacobians) const override {
-    std::copy_n(blocks[0], size_, out);
-    if (jacobians != nullptr && jacobians[0] != nullptr) {
-      std::fill_n(jacobians[0], size_ * size_, 0.0);
-      for (int i = 0; i < size_; ++i) jacobians[0][i * size_ + i] = 1;
-    }
-    return true;
-  }
-
- private:
-  int size_;
-};
+constexpr double unlimited = 1e300;
+/// Damping is relative to each coordinate's curvature.
+constexpr double least_damping = 1e-7;
+/// Below it a step is the undamped one in all but the flattest valleys.
+constexpr double settled_damping = 1e-4;
+/// A coordinate whose whole range matters less than this many times the mean square of a residual
+/// is idle: the shape of a term with next to no weight. Weight times shape is not what a quadratic
+/// can describe, so idle coordinates are damped on their own and do not hold up the others.
+constexpr double idle_matter = 100;
+constexpr double first_idle_damping = 1;
+constexpr double most_idle_damping = 1e6;
 
 /// A coordinate within this share of its range from a limit counts as on it, and starts go no
 /// nearer.
@@ -140,89 +84,105 @@ class PaperObjective final : public ceres::FirstOrderFunction {
   const Observations& data_;
 };
 
-bool touches_limit(const Layout& layout, const std::vector<double>& x) {
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const Coordinate& k = layout.free()[i].coordinate;
-    if (x[i] <= k.lo_x() || x[i] >= k.hi_x()) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
-Solution least_squares(const Layout& layout, const Observations& data, std::vector<double> x,
-                       std::vector<double> c, const Weighting& weighting, int max_iterations) {
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const Coordinate& k = layout.free()[i].coordinate;
-    x[i] = std::clamp(x[i], k.lo_x(), k.hi_x());
+Solution least_squares(const Problem& problem, std::vector<double> x, std::vector<double> c,
+                       const std::vector<bool>& linear, const Stop& stop) {
+  const Layout& layout = problem.layout;
+  const auto free = static_cast<Eigen::Index>(layout.size());
+  const auto size = free + static_cast<Eigen::Index>(c.size());
+  Eigen::VectorXd lo = Eigen::VectorXd::Constant(size, -unlimited);
+  Eigen::VectorXd hi = Eigen::VectorXd::Constant(size, unlimited);
+  Eigen::VectorXd here(size);
+  std::vector<bool> damped(static_cast<std::size_t>(size), false);
+  for (Eigen::Index i = 0; i < free; ++i) {
+    const FreeParameter& parameter = layout.free()[static_cast<std::size_t>(i)];
+    lo[i] = parameter.coordinate.lo_x();
+    hi[i] = parameter.coordinate.hi_x();
+    here[i] = std::clamp(x[static_cast<std::size_t>(i)], lo[i], hi[i]);
+    damped[static_cast<std::size_t>(i)] = linear.empty() || !linear[parameter.parameter];
   }
-  ceres::Problem problem;
-  for (std::size_t w = 0; w < data.spectra.size(); ++w) {
-    std::vector<double*> blocks;
-    for (const int parameter : layout.active(w)) {
-      blocks.push_back(&x[*layout.slot(w, static_cast<std::size_t>(parameter))]);
-    }
-    if (!c.empty()) blocks.push_back(c.data());
-    if (blocks.empty() || data.spectra[w].points.empty()) continue;
-    problem.AddResidualBlock(new SpectrumCost(layout, data, w, c.size(), weighting), nullptr,
-                             blocks);
-  }
-  if (!c.empty()) {
-    problem.AddResidualBlock(new UnitPrior(static_cast<int>(c.size())), nullptr, c.data());
-  }
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    if (!problem.HasParameterBlock(&x[i])) continue;
-    const Coordinate& k = layout.free()[i].coordinate;
-    problem.SetParameterLowerBound(&x[i], 0, k.lo_x());
-    problem.SetParameterUpperBound(&x[i], 0, k.hi_x());
-  }
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.logging_type = ceres::SILENT;
-  options.function_tolerance = 1e-9;
-  options.gradient_tolerance = 1e-12;
-  options.parameter_tolerance = 1e-9;
-  options.num_threads = 1;
+  for (Eigen::Index i = free; i < size; ++i) here[i] = c[static_cast<std::size_t>(i - free)];
+  const auto part = [&](const Eigen::VectorXd& z, Eigen::Index first, Eigen::Index count) {
+    return std::span<const double>(z.data() + first, static_cast<std::size_t>(count));
+  };
+  const auto evaluate = [&](const Eigen::VectorXd& z) {
+    return normal_equations(problem, part(z, 0, free), part(z, free, size - free));
+  };
 
-  // The solver only projects its steps onto the limits: with one in force the projected step need
-  // not descend, and it stops short. So parameters that press against a limit are held there while
-  // the others move, and let go when the gradient turns.
   Solution out;
-  std::vector<bool> held(x.size(), false);
-  std::vector<int> releases(x.size(), 0);
-  for (int left = max_iterations; left > 0;) {
-    bool changed = false;
-    if (touches_limit(layout, x)) {
-      const Linearisation at = linearise(layout, data, x, c, weighting);
-      const Eigen::VectorXd gradient = at.by_x.transpose() * at.r;
-      for (std::size_t i = 0; i < x.size(); ++i) {
-        const Coordinate& k = layout.free()[i].coordinate;
-        const double slope = gradient[static_cast<Eigen::Index>(i)];
-        const bool presses = (x[i] <= k.lo_x() && slope > 0) || (x[i] >= k.hi_x() && slope < 0);
-        if (presses == held[i] || (held[i] && releases[i] >= 3)) continue;
-        if (held[i]) ++releases[i];
-        held[i] = presses;
-        changed = true;
-        if (presses) {
-          problem.SetParameterBlockConstant(&x[i]);
-        } else {
-          problem.SetParameterBlockVariable(&x[i]);
-        }
+  NormalEquations at = evaluate(here);
+  out.iterations = 1;
+  double damping = stop.first_damping, growth = 2, idle_damping = first_idle_damping;
+  // Data without noise have no objective left at their optimum that a share could be taken of.
+  const auto points = static_cast<double>(problem.data.size());
+  const double nothing = 1e-12 * points;
+  while (at.finite && out.iterations < stop.max_iterations) {
+    const double tolerance = stop.function_tolerance * std::max(at.objective, nothing);
+    const double unit = std::max(at.objective, nothing) / points;
+    Eigen::MatrixXd curvature = at.curvature;
+    std::vector<Eigen::Index> idle;
+    for (Eigen::Index i = 0; i < free; ++i) {
+      if (!damped[static_cast<std::size_t>(i)]) continue;
+      const double least = unit / ((hi[i] - lo[i]) * (hi[i] - lo[i]));
+      if (at.curvature(i, i) < idle_matter * least) {
+        curvature(i, i) += idle_damping * std::max(at.curvature(i, i), least);
+        idle.push_back(i);
+      } else {
+        curvature(i, i) += damping * at.curvature(i, i);
       }
     }
-    if (out.converged && !changed) break;
-    options.max_num_iterations = std::min(left, 12);
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem, &summary);
-    out.objective = 2 * summary.final_cost;
-    out.converged = summary.termination_type == ceres::CONVERGENCE;
-    const int steps = std::max(1, static_cast<int>(summary.iterations.size()) - 1);
-    out.iterations += steps;
-    left -= steps;
-    if (summary.termination_type == ceres::FAILURE) break;
+    // In terms of the step, lest the position's digits drown a small one.
+    const Eigen::VectorXd step =
+        minimum_in_box(curvature, at.gradient, lo - here, hi - here, Eigen::VectorXd::Zero(size));
+    const Eigen::VectorXd there = (here + step).cwiseMax(lo).cwiseMin(hi);
+    const double foretold = -(2 * at.gradient + at.curvature * step).dot(step);
+    if (!(foretold > 0.1 * tolerance)) {
+      // With little damping there is nothing left to gain; with much the step was only short.
+      if (damping <= settled_damping) {
+        out.converged = true;
+        break;
+      }
+      damping = std::max(damping * 0.1, settled_damping);
+      if (!(foretold > 0)) continue;
+    }
+    NormalEquations next = evaluate(there);
+    ++out.iterations;
+    const double gain = next.finite ? at.objective - next.objective : -1;
+    if (gain > 0) {
+      const double ratio = gain / foretold;
+      damping *= std::max(1.0 / 5, 1 - std::pow(2 * ratio - 1, 3));
+      idle_damping = std::max(idle_damping * 0.2, settled_damping);
+      growth = 2;
+      const bool small = gain <= tolerance;
+      here = there;
+      at = std::move(next);
+      if (small && damping <= settled_damping) {
+        out.converged = true;
+        break;
+      }
+      if (small) damping = std::max(damping * 0.1, 0.5 * settled_damping);
+    } else {
+      // Rounding decides at the bottom of a flat valley.
+      if (next.finite && foretold <= tolerance) {
+        out.converged = true;
+        break;
+      }
+      const bool idle_moved = std::any_of(idle.begin(), idle.end(), [&](Eigen::Index i) {
+        return std::abs(step[i]) > 1e-3 * (hi[i] - lo[i]);
+      });
+      if (idle_moved && idle_damping < most_idle_damping) {
+        idle_damping *= 30;
+        continue;
+      }
+      damping = std::max(damping, least_damping) * growth;
+      growth *= 2;
+      if (damping > 1e16) break;
+    }
   }
-  out.x = std::move(x);
-  out.c = std::move(c);
+  out.objective = at.finite ? at.objective : std::numeric_limits<double>::infinity();
+  out.x.assign(here.data(), here.data() + free);
+  out.c.assign(here.data() + free, here.data() + size);
   return out;
 }
 
@@ -245,7 +205,8 @@ double measured_scale(const Layout& layout, const Observations& data, const Solu
 }
 
 RobustSolution robust_least_squares(const Layout& layout, const Observations& data,
-                                    std::vector<double> x, std::vector<double> c,
+                                    const Priors& priors, std::vector<double> x,
+                                    std::vector<double> c, const std::vector<bool>& linear,
                                     double huber_sigma, int max_iterations) {
   RobustSolution out;
   out.solution.x = std::move(x);
@@ -259,8 +220,9 @@ RobustSolution robust_least_squares(const Layout& layout, const Observations& da
   double used = scale_now();
   for (int round = 0; round < 12 && left > 0; ++round) {
     const int steps = std::min(left, 8);
-    Solution next = least_squares(layout, data, out.solution.x, out.solution.c,
-                                  {.scale = used, .huber_sigma = huber_sigma}, steps);
+    Solution next =
+        least_squares({layout, data, priors, {.scale = used, .huber_sigma = huber_sigma}},
+                      out.solution.x, out.solution.c, linear, {.max_iterations = steps});
     left -= next.iterations;
     next.iterations += out.solution.iterations;
     out.solution = std::move(next);
@@ -271,8 +233,9 @@ RobustSolution robust_least_squares(const Layout& layout, const Observations& da
     used = settled ? used : s;
     if (settled) break;
   }
-  Solution last = least_squares(layout, data, out.solution.x, out.solution.c,
-                                {.scale = used, .huber_sigma = huber_sigma}, std::max(left, 20));
+  Solution last =
+      least_squares({layout, data, priors, {.scale = used, .huber_sigma = huber_sigma}},
+                    out.solution.x, out.solution.c, linear, {.max_iterations = std::max(left, 20)});
   last.iterations += out.solution.iterations;
   out.solution = std::move(last);
   out.scale = scale_now();

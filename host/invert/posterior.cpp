@@ -31,10 +31,23 @@ Eigen::MatrixXd inverse_information(const Eigen::MatrixXd& j, const Eigen::Vecto
   return half * half.transpose();
 }
 
+/// Priors are rows like any other measurement; orders, which only count where violated, are left to
+/// the profile.
+void append(const Priors::Rows& prior, Linearisation& at) {
+  const Eigen::Index rows = at.r.size(), more = prior.r.size();
+  at.r.conservativeResize(rows + more);
+  at.by_x.conservativeResize(rows + more, Eigen::NoChange);
+  at.by_c.conservativeResize(rows + more, Eigen::NoChange);
+  at.r.tail(more) = prior.r;
+  at.by_x.bottomRows(more) = prior.by_x;
+  at.by_c.bottomRows(more).setZero();
+}
+
 }  // namespace
 
-Posterior::Posterior(const Layout& layout, const Observations& data, const Solution& solution,
-                     Objective objective, double scale, double huber_sigma)
+Posterior::Posterior(const Layout& layout, const Observations& data, const Priors& priors,
+                     const Solution& solution, Objective objective, double scale,
+                     double huber_sigma)
     : layout_(layout), x_(solution.x) {
   const auto n = static_cast<Eigen::Index>(layout.size());
   const auto factors = static_cast<Eigen::Index>(
@@ -47,8 +60,8 @@ Posterior::Posterior(const Layout& layout, const Observations& data, const Solut
     range[i] = k.hi_x() - k.lo_x();
   }
   const double huber = objective == Objective::paper ? 0 : huber_sigma;
-  const Linearisation at =
-      linearise(layout, data, solution.x, c, {.scale = scale, .huber_sigma = huber});
+  Linearisation at = linearise(layout, data, solution.x, c, {.scale = scale, .huber_sigma = huber});
+  if (!priors.empty()) append(priors.normal_rows(solution.x), at);
 
   // Noise-weighted information on parameters and factors together.
   given_calibration_ = inverse_information(at.by_x, range);
@@ -113,6 +126,7 @@ Posterior::Posterior(const Layout& layout, const Observations& data, const Solut
       given_calibration_(i, i) += own[i];
     }
   }
+  centre_ = centre;
   Eigen::VectorXd lo(n), hi(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto free = static_cast<std::size_t>(i);
@@ -120,7 +134,16 @@ Posterior::Posterior(const Layout& layout, const Observations& data, const Solut
     lo[i] = k.lo_x() - x_[free];
     hi[i] = k.hi_x() - x_[free];
   }
-  profile_ = LimitedProfile(covariance_, centre, lo, hi);
+  if (!priors.empty()) hinges_ = priors.hinges(solution.x);
+  profile_ = LimitedProfile(covariance_, centre, lo, hi, hinges_);
+}
+
+Interval interval_95(const LimitedProfile& profile, const Eigen::MatrixXd& covariance, double value,
+                     const Eigen::VectorXd& by_x) {
+  const double s = std::sqrt(std::max(0.0, by_x.dot(covariance * by_x)));
+  if (!profile.limited() || s == 0) return {value - sigmas_95 * s, value + sigmas_95 * s};
+  return {value + std::min(profile.extreme(by_x, -1, rise_95), 0.0),
+          value + std::max(profile.extreme(by_x, +1, rise_95), 0.0)};
 }
 
 double Posterior::sigma(std::size_t free) const {
@@ -129,10 +152,7 @@ double Posterior::sigma(std::size_t free) const {
 }
 
 Interval Posterior::interval(double value, const Eigen::VectorXd& by_x) const {
-  const double s = std::sqrt(std::max(0.0, by_x.dot(covariance_ * by_x)));
-  if (!profile_.limited() || s == 0) return {value - sigmas_95 * s, value + sigmas_95 * s};
-  return {value + std::min(profile_.extreme(by_x, -1, rise_95), 0.0),
-          value + std::max(profile_.extreme(by_x, +1, rise_95), 0.0)};
+  return interval_95(profile_, covariance_, value, by_x);
 }
 
 Interval Posterior::parameter_interval(std::size_t free) const {

@@ -1,68 +1,36 @@
 #include "host/invert/prediction.hpp"
 
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <map>
 #include <span>
 
-#include "host/brdf/model.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/atomic_file.hpp"
 #include "host/formats/content_hash.hpp"
 #include "host/formats/h5_header.hpp"
 #include "host/formats/hdf5_image.hpp"
+#include "host/invert/fitted_model.hpp"
 #include "host/invert/layout.hpp"
 #include "host/invert/observations.hpp"
 #include "host/optics/angles.hpp"
 
 namespace umov::invert {
-namespace {
-
-/// Values of a fit in the order of the model, whatever the order in the file.
-std::vector<double> model_values(const brdf::Model& model, const formats::FitResult& fit,
-                                 std::size_t wavelength) {
-  std::vector<double> out;
-  for (const auto& parameter : model.parameters()) {
-    const formats::FitParameter* found = fit.find(parameter.name);
-    if (found == nullptr) {
-      throw Error("the fit has no parameter \"" + parameter.name + "\" of model " + model.name(),
-                  "fit again with this version");
-    }
-    out.push_back(found->at(wavelength).value);
-  }
-  return out;
-}
-
-std::size_t fitted_wavelength(const formats::FitResult& fit, double nm) {
-  if (const auto index = fit.wavelength_index(nm)) return *index;
-  std::string known;
-  for (const double w : fit.wavelengths_nm)
-    known += (known.empty() ? "" : ", ") + wavelength_text(w);
-  throw Error("the fit has no wavelength " + wavelength_text(nm) + " nm",
-              "it was made at " + known + " nm");
-}
-
-}  // namespace
 
 Prediction predict(const formats::FitResult& fit, const formats::BrdfTable& table) {
-  const brdf::Model model = brdf::Model::by_name(fit.model);
+  const FittedModel model(fit);
   const auto& p = table.points;
   const double aperture = solid_angle_sr(table);
-  std::map<std::size_t, std::vector<double>> values;
   // Which factors scale the model and which add to it: decided on the used points, as in the fit.
   bool any_used = false;
   for (const int used : p.used) any_used = any_used || used != 0;
   const Observations data = any_used ? observations(table, fit.floor_relative) : Observations{};
   Prediction out;
   for (std::size_t i = 0; i < p.size(); ++i) {
-    const std::size_t w = fitted_wavelength(fit, p.wavelength_nm[i]);
-    if (!values.contains(w)) values[w] = model_values(model, fit, w);
-    std::array<double, 1> f{};
-    evaluate_channels(model, values[w], {}, fit.wavelengths_nm[w] * 1e-3, view_of(p, i, aperture),
-                      std::array{channel_of(p.polarizer_deg[i], p.analyzer_deg[i])}, f, {});
-    double calibrated = f[0];
+    const std::size_t w = model.wavelength(p.wavelength_nm[i]);
+    const double f =
+        model.value(w, view_of(p, i, aperture), channel_of(p.polarizer_deg[i], p.analyzer_deg[i]));
+    double calibrated = f;
     for (std::size_t k = 0; k < table.factors.size() && k < fit.factors.size(); ++k) {
       const double entry = table.factors[k].per_point[i];
       if (entry == 0) continue;
@@ -72,9 +40,9 @@ Prediction predict(const formats::FitResult& fit, const formats::BrdfTable& tabl
           relative = spectrum.common[k].relative;
         }
       }
-      calibrated += fit.factors[k].value * (relative ? f[0] * entry / p.brdf_per_sr[i] : entry);
+      calibrated += fit.factors[k].value * (relative ? f * entry / p.brdf_per_sr[i] : entry);
     }
-    out.brdf_per_sr.push_back(f[0]);
+    out.brdf_per_sr.push_back(f);
     out.calibrated_per_sr.push_back(calibrated);
     const double sigma = std::hypot(p.brdf_u[i], fit.floor_relative * p.brdf_per_sr[i]);
     out.residual.push_back(sigma > 0 ? (p.brdf_per_sr[i] - calibrated) / sigma
@@ -92,48 +60,21 @@ Hemisphere hemisphere(const formats::FitResult& fit, double wavelength_nm, doubl
   if (!(theta_step_deg > 0 && theta_step_deg <= 90 && phi_step_deg > 0 && phi_step_deg <= 360)) {
     throw Error("the steps of the hemisphere's grid must be positive", "use 2 and 5 degrees");
   }
-  const brdf::Model model = brdf::Model::by_name(fit.model);
-  const std::size_t w = fitted_wavelength(fit, wavelength_nm);
-  const std::vector<double> values = model_values(model, fit, w);
-
-  // Parameters with a row in the covariance, at this wavelength or shared.
-  std::vector<int> active;
-  std::vector<std::size_t> rows;
-  const std::string suffix = " " + wavelength_text(fit.wavelengths_nm[w]) + " nm";
-  for (std::size_t i = 0; i < model.parameters().size(); ++i) {
-    for (std::size_t row = 0; row < fit.covariance.names.size(); ++row) {
-      const std::string& name = fit.covariance.names[row];
-      if (name == model.parameters()[i].name || name == model.parameters()[i].name + suffix) {
-        active.push_back(static_cast<int>(i));
-        rows.push_back(row);
-      }
-    }
-  }
-  const std::size_t size = fit.covariance.names.size();
-
+  const FittedModel model(fit);
+  const std::size_t w = model.wavelength(wavelength_nm);
   Hemisphere out;
   out.wavelength_nm = fit.wavelengths_nm[w];
   out.theta_i_deg = theta_i_deg;
   for (double t = 0; t < 90 - theta_step_deg / 2; t += theta_step_deg) out.theta_r_deg.push_back(t);
   for (double p = 0; p < 360 - phi_step_deg / 2; p += phi_step_deg) out.phi_r_deg.push_back(p);
-  const std::array<Channel, 1> open{channel_unpolarized()};
-  std::array<double, 1> f{};
-  std::vector<double> derivative(active.size());
   for (const double theta_r : out.theta_r_deg) {
     for (const double phi_r : out.phi_r_deg) {
       const View view{
           {optics::radians(theta_i_deg), optics::radians(theta_r), optics::radians(phi_r)}};
-      evaluate_channels(model, values, active, fit.wavelengths_nm[w] * 1e-3, view, open, f,
-                        derivative);
-      double variance = 0;
-      for (std::size_t a = 0; a < active.size(); ++a) {
-        for (std::size_t b = 0; b < active.size(); ++b) {
-          variance +=
-              derivative[a] * derivative[b] * fit.covariance.values[rows[a] * size + rows[b]];
-        }
-      }
-      out.brdf_per_sr.push_back(f[0]);
-      out.brdf_u.push_back(std::sqrt(std::max(variance, 0.0)));
+      double f = 0;
+      const double u = model.sigma(w, view, channel_unpolarized(), f);
+      out.brdf_per_sr.push_back(f);
+      out.brdf_u.push_back(u);
     }
   }
   return out;

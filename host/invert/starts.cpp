@@ -8,6 +8,7 @@
 #include <random>
 
 #include "host/formats/order_statistics.hpp"
+#include "host/invert/box_quadratic.hpp"
 #include "host/invert/parallel.hpp"
 #include "host/optics/angles.hpp"
 
@@ -83,24 +84,6 @@ double drawn_value(const std::string& name, const Coordinate& k, double initial,
   }
   if (k.scale == Scale::logarithmic) return std::clamp(initial * std::exp(1.2 * b), k.lo, k.hi);
   return k.lo + a * (k.hi - k.lo);
-}
-
-/// Minimises ½ pᵀ A p + bᵀ p in a box, one coordinate after the other (A positive semi-definite).
-Eigen::VectorXd boxed_quadratic(const Eigen::MatrixXd& a, const Eigen::VectorXd& b,
-                                const Eigen::VectorXd& lo, const Eigen::VectorXd& hi,
-                                Eigen::VectorXd p) {
-  for (int sweep = 0; sweep < 400; ++sweep) {
-    double moved = 0;
-    for (Eigen::Index i = 0; i < p.size(); ++i) {
-      if (!(a(i, i) > 0)) continue;
-      const double step = -(a.row(i).dot(p) + b[i]) / a(i, i);
-      const double next = std::clamp(p[i] + step, lo[i], hi[i]);
-      moved = std::max(moved, std::abs(next - p[i]) / (hi[i] - lo[i]));
-      p[i] = next;
-    }
-    if (moved < 1e-10) break;
-  }
-  return p;
 }
 
 }  // namespace
@@ -195,7 +178,7 @@ std::vector<double> with_linear_solved(const Layout& layout, const Observations&
   }
   const Eigen::MatrixXd a = j.transpose() * j;
   const Eigen::VectorXd b = j.transpose() * at.r - a * p;
-  const Eigen::VectorXd best = boxed_quadratic(a, b, lo, hi, p);
+  const Eigen::VectorXd best = minimum_in_box(a, b, lo, hi, p);
   for (Eigen::Index i = 0; i < count; ++i) {
     x[static_cast<std::size_t>(columns[static_cast<std::size_t>(i)])] = best[i];
   }

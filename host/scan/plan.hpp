@@ -55,6 +55,14 @@ struct Grid {
   double optical_density = 0;  ///< neutral density in the beam, 0 to 5
 };
 
+/// The white tile of a block `white_tile`, with what is known of it.
+struct WhiteTile {
+  std::string sample = "white-99";
+  std::vector<std::pair<double, double>> reference_dhr;  ///< as in Plan
+  std::optional<double> reference_dhr_u;
+  std::optional<std::string> reference_brdf;
+};
+
 /// An entry `[[block]]`: rows of the menu of further scans, taken with something changed.
 struct MenuBlock {
   std::string menu;          ///< identifier such as "flip"
@@ -63,6 +71,7 @@ struct MenuBlock {
   bool shutter_open = true;  ///< closed in `shutter`
   std::vector<double> density_steps;  ///< `nd` only: total optical densities, one after the other
   std::vector<std::pair<std::string, std::string>> settings;  ///< of the `# block:` line
+  WhiteTile tile;                                             ///< `white_tile` only
   std::size_t line = 0;                                       ///< in the plan file
 };
 
@@ -72,6 +81,7 @@ struct Plan {
   std::string sample = "sample";
   std::string role = "sample";  ///< sample, white, mirror or dark
   Grid grid;
+  bool main = true;  ///< the plan's own grid is measured; false: its blocks alone
   std::vector<MenuBlock> blocks;
   int gain = gain_auto;          ///< 1, 10, 100, 1000 or gain_auto
   double solid_angle_sr = 1e-4;  ///< detector aperture seen from the sample
@@ -98,7 +108,8 @@ struct PlanRow {
   int block = 0;  ///< in Program::blocks
 };
 
-/// Rows in the order they are measured; row i has record index i. `blocks[0]` is "main".
+/// Rows in the order they are measured; row i has record index i. `blocks[0]` is "main" unless the
+/// plan leaves its own grid out.
 struct Program {
   std::vector<PlanRow> rows;
   std::vector<formats::Block> blocks;

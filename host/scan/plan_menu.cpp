@@ -106,7 +106,7 @@ MenuBlock menu_block(std::string_view menu, const Grid& plan_grid) {
   } else if (menu == "white_tile") {
     grid.theta_i_deg = plan_grid.theta_i_deg;
     grid.theta_r = few(plan_grid.theta_r, 20);
-    block.settings = {{"sample", "white_tile"}};
+    block.settings = {{"sample", block.tile.sample}};
   } else if (menu == "repeat") {
     grid.theta_i_deg = {grid.theta_i_deg.front()};
     grid.theta_r = reference_points(plan_grid.theta_r);

@@ -25,7 +25,7 @@ inline constexpr std::array<std::string_view, 12> menu_names = {
 /// nd          neutral density of the plan, +1, +2 (at most 5), at the largest incidence
 /// iris        half the aperture's diameter
 /// oop         azimuths 30, 90, 150 deg, detector 5 to 80 deg
-/// white_tile  white tile in the sample's place
+/// white_tile  white tile in the sample's place: a scan of its own, see scan_part.hpp
 /// repeat      two reference points, eight times
 /// long_pass   long-pass filter before the detector
 /// no_sample   sample taken away

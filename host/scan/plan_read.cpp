@@ -6,8 +6,8 @@
 #include "host/errors/error.hpp"
 #include "host/formats/atomic_file.hpp"
 #include "host/formats/decimal.hpp"
+#include "host/formats/toml_text.hpp"
 #include "host/scan/plan.hpp"
-#include "host/scan/plan_lexis.hpp"
 #include "host/scan/plan_menu.hpp"
 #include "host/scan/plan_toml.hpp"
 
@@ -132,6 +132,30 @@ void set(MenuBlock& block, const std::string& key, const std::string& value) {
     if (name == key) old = value;
 }
 
+/// `reference_dhr = { 532 = 0.99, 633 = 0.99 }`: the keys are wavelengths.
+void read_reference_dhr(PlanTable& table, std::vector<std::pair<double, double>>& reference_dhr) {
+  constexpr const char* remedy = "write reference_dhr = { 532 = 0.99, 633 = 0.99 }";
+  const toml::node* node = table.find("reference_dhr");
+  if (node == nullptr) return;
+  if (!node->is_table()) table.fail(*node, "reference_dhr", "is not a table", remedy);
+  for (const auto& [key, value] : *node->as_table()) {
+    double wavelength_nm = 0;
+    if (formats::read_decimal(key.str(), wavelength_nm) != nullptr ||
+        wavelength_nm < wavelength_limits.lowest || wavelength_nm > wavelength_limits.highest)
+      table.fail(value, "reference_dhr",
+                 "the key \"" + std::string(key.str()) + "\" is no wavelength in nm", remedy);
+    reference_dhr.emplace_back(wavelength_nm,
+                               table.checked_number(value, "reference_dhr", {0, 1.2, "", true}));
+  }
+}
+
+void read_tile(PlanTable& table, WhiteTile& tile) {
+  if (const auto sample = table.text("sample")) tile.sample = *sample;
+  read_reference_dhr(table, tile.reference_dhr);
+  tile.reference_dhr_u = table.number("reference_dhr_u", {0, 1, ""});
+  tile.reference_brdf = table.text("reference_brdf");
+}
+
 MenuBlock read_block(const toml::node& node, const Plan& plan, std::size_t number) {
   const std::string path = "block[" + std::to_string(number) + "]";
   if (!node.is_table())
@@ -167,29 +191,16 @@ MenuBlock read_block(const toml::node& node, const Plan& plan, std::size_t numbe
   if (*menu == "flip")
     if (const auto azimuth = table.number("sample_azimuth_deg", azimuth_limits))
       set(block, "sample_azimuth_deg", formats::decimal_text(*azimuth));
+  if (*menu == "white_tile") {
+    read_tile(table, block.tile);
+    set(block, "sample", block.tile.sample);
+  }
   table.refuse_unknown();
   return block;
 }
 
-/// `reference_dhr = { 532 = 0.99, 633 = 0.99 }`: the keys are wavelengths.
-void read_reference_dhr(PlanTable& table, Plan& plan) {
-  constexpr const char* remedy = "write reference_dhr = { 532 = 0.99, 633 = 0.99 }";
-  const toml::node* node = table.find("reference_dhr");
-  if (node == nullptr) return;
-  if (!node->is_table()) table.fail(*node, "reference_dhr", "is not a table", remedy);
-  for (const auto& [key, value] : *node->as_table()) {
-    double wavelength_nm = 0;
-    if (formats::read_decimal(key.str(), wavelength_nm) != nullptr ||
-        wavelength_nm < wavelength_limits.lowest || wavelength_nm > wavelength_limits.highest)
-      table.fail(value, "reference_dhr",
-                 "the key \"" + std::string(key.str()) + "\" is no wavelength in nm", remedy);
-    plan.reference_dhr.emplace_back(
-        wavelength_nm, table.checked_number(value, "reference_dhr", {0, 1.2, "", true}));
-  }
-}
-
 void read_reference(PlanTable& table, Plan& plan) {
-  read_reference_dhr(table, plan);
+  read_reference_dhr(table, plan.reference_dhr);
   plan.reference_dhr_u = table.number("reference_dhr_u", {0, 1, ""});
   plan.reference_brdf = table.text("reference_brdf");
   plan.reference = table.text("reference");
@@ -262,7 +273,7 @@ Plan parse_plan(std::string_view text, const std::string& name) {
   Plan plan;
   plan.name = name;
   plan.text = text;
-  refuse_unparsable(text, name);
+  formats::refuse_unparsable(text, name);
   try {
     const toml::table root = toml::parse(text, name);
     return read_plan(root, std::move(plan));

@@ -149,8 +149,8 @@ std::vector<double> DetectorAngles::line(double theta_i_deg, double phi_r_deg) c
 }
 
 std::size_t row_count(const Plan& plan) {
-  std::size_t total = count_rows(main_block(plan));
-  if (total == 0)
+  std::size_t total = plan.main ? count_rows(main_block(plan)) : 0;
+  if (plan.main && total == 0)
     throw Error(Place{plan.name}, "the plan has no rows",
                 "out of plane (phi_r_deg not 0) it needs theta_r_deg from 0 up");
   for (const MenuBlock& block : plan.blocks) {
@@ -172,7 +172,7 @@ Program expand(const Plan& plan) {
   Program program;
   program.rows.reserve(row_count(plan));
   Expansion expansion(plan, program);
-  expansion.add(main_block(plan));
+  if (plan.main) expansion.add(main_block(plan));
   for (const MenuBlock& block : plan.blocks) expansion.add(block);
   return program;
 }

@@ -136,12 +136,16 @@ formats::JournalHeader header_for(const Plan& plan, const Program& program,
 class Runner {
  public:
   Runner(const Plan& plan, const RunOptions& options)
-      : plan_(plan), options_(options), program_(expand(plan)), id_(program_id(plan)) {
+      : plan_(plan),
+        options_(options),
+        program_(expand(plan)),
+        stretches_(stretches(program_, options.standing)),
+        id_(program_id(plan)) {
     summary_.total = static_cast<std::uint32_t>(program_.rows.size());
   }
 
   RunSummary run() {
-    refuse_changes_by_hand();
+    if (!options_.arrange) require_plain(stretches_, plan_.name);
     open_existing();
     if (next_ < summary_.total) {
       measure();
@@ -153,21 +157,6 @@ class Runner {
   }
 
  private:
-  /// Rows that need someone at the instrument can't be taken in one unattended run.
-  void refuse_changes_by_hand() const {
-    for (const auto& block : program_.blocks) {
-      for (const auto& [key, value] : block.settings) {
-        if (key == "optical_density") continue;  // the filter wheel does it
-        throw Error(
-            {plan_.name},
-            fmt::format(
-                "block {} needs a change at the instrument ({}={}) that the controller can't make",
-                block.name, key, value),
-            "leave it out of this plan and measure it as a scan of its own after the change");
-      }
-    }
-  }
-
   void open_existing() {
     const auto journal = journal_path(options_.output);
     const bool has_journal = std::filesystem::exists(journal);
@@ -204,9 +193,59 @@ class Runner {
     }
   }
 
+  /// Every stretch in its set-up.
   void measure() {
+    if (summary_.resumed_from > 0 && set_up_may_have_changed()) present_.reset();
+    bool complete = true;
+    for (const Stretch& stretch : stretches_) {
+      if (next_ >= stretch.end) continue;
+      complete = arrange(stretch.arrangement, stretch.blocks) && measure(stretch);
+      if (!complete) break;
+    }
+    summary_.complete = complete;
+    if (complete) arrange({}, "");
+  }
+
+  /// Whether the interrupted scan had come to where the set-up changes.
+  bool set_up_may_have_changed() const {
+    return std::any_of(stretches_.begin(), stretches_.end(), [this](const Stretch& stretch) {
+      return !stretch.arrangement.plain() && stretch.first <= next_;
+    });
+  }
+
+  /// False when the scan was called off instead.
+  bool arrange(const Arrangement& wanted, const std::string& blocks) {
+    if (present_ == wanted) return true;
+    if (!checked_) look_at_instrument();
+    if (options_.progress) {
+      options_.progress({next_, summary_.total, "set-up: " + wanted.text()});
+    }
+    try {
+      if (!options_.arrange({wanted, present_, blocks})) return false;
+    } catch (const Error&) {
+      finish_file();
+      throw;
+    }
+    present_ = wanted;
+    return true;
+  }
+
+  /// Before someone goes to work on it: is it there, the right one, and able to do the plan?
+  void look_at_instrument() {
+    Session session(options_.connect());
+    check(session);
+  }
+
+  void check(Session& session) {
+    refuse_another_instrument(session.device(), session.name());
+    if (!checked_) check_against_device(plan_, program_, session);
+    checked_ = true;
+    boot_id_ = session.device().boot_id;
+  }
+
+  /// The rows of one stretch, over any number of lost links. False when the scan was called off.
+  bool measure(const Stretch& stretch) {
     std::optional<ProgramStream> stream;
-    std::optional<JournalSink> sink;
     protocol::HelloReply device;
     int tries_left = options_.reconnects;
     auto wait = options_.reconnect_wait;
@@ -220,48 +259,54 @@ class Runner {
                                              }};
     for (;;) {
       try {
-        Session session(connect(stream.has_value()));
+        Session session(connect(sink_.has_value()));
         device = session.device();
-        refuse_another_instrument(device, session.name());
-        if (!stream) check_against_device(plan_, program_, session);
-        if (!prepare_controller(session, plan_, preparation)) return;
-        if (stream) {
-          ++summary_.lost_links;
-        } else {
-          start_journal(session);
-          sink.emplace(*writer_, program_.rows, base_, last_time_s_);
-          stream.emplace(
-              instrument::ProgramOptions{
-                  .program_id = id_, .row_count = summary_.total, .first_missing = next_},
-              [&](std::uint32_t index) {
-                return program_row(program_.rows.at(index), index, device);
-              },
-              *sink);
-        }
-        sink->connect(device);
-        const auto before = stream->next_index();
-        summary_.complete = stream->run(session, [&](const ProgramStream& now) {
-          if (now.next_index() > before) {
-            tries_left = options_.reconnects;
-            wait = options_.reconnect_wait;
+        const bool restarted = checked_ && device.boot_id != boot_id_;
+        check(session);
+        if (restarted && !stretch.arrangement.plain()) present_.reset();
+        if (present_.has_value()) {
+          if (!prepare_controller(session, plan_, preparation)) return false;
+          if (stream) {
+            ++summary_.lost_links;
+          } else {
+            start_journal(session);
+            if (!sink_) sink_.emplace(*writer_, program_.rows, base_, last_time_s_);
+            stream.emplace(
+                instrument::ProgramOptions{
+                    .program_id = id_, .row_count = stretch.end, .first_missing = next_},
+                [&](std::uint32_t index) {
+                  return program_row(program_.rows.at(index), index, device);
+                },
+                *sink_);
           }
-          report(now.next_index());
-          return wanted();
-        });
-        return;
+          sink_->connect(device);
+          const auto before = stream->next_index();
+          return stream->run(session, [&](const ProgramStream& now) {
+            if (now.next_index() > before) {
+              tries_left = options_.reconnects;
+              wait = options_.reconnect_wait;
+            }
+            report(now.next_index());
+            return wanted();
+          });
+        }
       } catch (const LinkLost&) {
-        if (!wanted()) return;
-        if (!stream || tries_left-- == 0) {
+        if (!wanted()) return false;
+        if (!sink_ || tries_left-- == 0) {
           finish_file();
           throw;
         }
+        if (options_.progress)
+          options_.progress({next_, summary_.total, "link lost, trying again"});
+        if (!sleep_while_wanted(wait)) return false;
+        wait *= 2;
+        continue;
       } catch (const Error&) {
         finish_file();
         throw;
       }
-      if (options_.progress) options_.progress({next_, summary_.total, "link lost, trying again"});
-      if (!sleep_while_wanted(wait)) return;
-      wait *= 2;
+      // The controller was restarted, and perhaps the whole instrument: the session is closed.
+      if (!arrange(stretch.arrangement, stretch.blocks)) return false;
     }
   }
 
@@ -322,6 +367,7 @@ class Runner {
   /// Builds scan.h5 from the journal; the journal goes when nothing is missing.
   void finish_file() {
     if (!writer_) return;
+    sink_.reset();
     writer_.reset();
     const auto journal_file = journal_path(options_.output);
     const auto journal = formats::read_journal(journal_file);
@@ -338,8 +384,13 @@ class Runner {
   const Plan& plan_;
   const RunOptions& options_;
   Program program_;
+  std::vector<Stretch> stretches_;
   std::uint32_t id_;
   std::optional<formats::JournalWriter> writer_;
+  std::optional<JournalSink> sink_;                     ///< into writer_
+  std::optional<Arrangement> present_ = Arrangement{};  ///< nullopt: not known
+  bool checked_ = false;                                ///< the instrument can do the plan
+  std::uint32_t boot_id_ = 0;                           ///< of the controller, where checked
   TimeBase base_;
   std::string begun_on_;  ///< device key of the scan; empty before the first connection
   std::uint32_t next_ = 0;

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "host/instrument/transport.hpp"
+#include "host/scan/arrangement.hpp"
 #include "host/scan/plan.hpp"
 
 namespace umov::scan {
@@ -30,8 +31,11 @@ struct RunOptions {
   std::function<std::unique_ptr<instrument::Transport>()> connect;
   std::function<void(const RunProgress&)> progress;  ///< may be empty
   std::function<bool()> keep_going;                  ///< false: stop and keep what is there
-  int reconnects = 5;                                ///< tries after a lost link
-  std::chrono::milliseconds reconnect_wait{400};     ///< before the first; doubles
+  /// Changes the set-up for blocks that need it, and undoes it; empty: such plans are refused.
+  Arranger arrange;
+  Arrangement standing;  ///< what every row of the plan needs besides (ScanPart)
+  int reconnects = 5;    ///< tries after a lost link
+  std::chrono::milliseconds reconnect_wait{400};  ///< before the first; doubles
 };
 
 struct RunSummary {
@@ -51,8 +55,11 @@ std::filesystem::path journal_path(const std::filesystem::path& output);
 /// fault, a link that stays lost) `output` holds what was measured so far (no file when that is
 /// nothing) and the journal stays, so that a run with `resume` finishes it. keep_going is obeyed
 /// while homing and while a lost link is retried, too; then `complete` is false.
+/// Where the set-up changes, the program is cut: the controller rests in the dark, `arrange` is
+/// asked, and the next rows begin after it. A resumed scan asks again for the set-up it was
+/// interrupted in, and so does a controller that was restarted meanwhile.
 /// Throws umov::Error: output exists, journal of another plan or instrument, plan the device can't
-/// do, fault.
+/// do, fault, a set-up that nobody is there to change.
 RunSummary run_scan(const Plan& plan, const RunOptions& options);
 
 }  // namespace umov::scan

@@ -1,8 +1,9 @@
 """Bad input gets one clear message with place and remedy, a non-zero exit, and nothing is overwritten."""
 
+import subprocess
 import unittest
 
-from umov_case import UmovCase
+from umov_case import UMOV, UmovCase
 
 PLAN = """sample = "red gloss"
 wavelengths_nm = [532]
@@ -53,6 +54,22 @@ class BadInput(UmovCase):
         whole[offset + 6] ^= 1
         (self.folder / "bad.h5").write_bytes(whole)
         self.refused("export", "bad.h5", "--format", "csv", "-o", "out.csv", says=["bad.h5", "checksum"])
+
+    def test_files_without_end_are_refused_at_once(self):
+        with open(self.folder / "sparse.h5", "wb") as file:
+            file.truncate(30_000_000_000)
+        for command in (["import", "-o", "x.h5"], ["export", "--format", "merl", "-o", "x"], ["reduce", "-o", "x.h5"],
+                        ["invert", "--model", "nef", "-o", "x.json"]):
+            with self.subTest(command[0]):
+                self.refused(command[0], "/dev/zero", *command[1:], says=["/dev/zero", "device"])
+                self.refused(command[0], "sparse.h5", *command[1:], says=["sparse.h5", "larger than"])
+
+    def test_a_pipe_is_read(self):
+        self.write("scan.csv", HEADER + "\n" + ROW + "\n")
+        script = f"cat scan.csv | '{UMOV}' import /dev/stdin -o scan.h5"
+        done = subprocess.run(["/bin/sh", "-c", script], cwd=self.folder, capture_output=True, text=True, timeout=120, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("1 rows", done.stdout)
 
     def test_csv_faults_name_line_and_column(self):
         cases = {

@@ -14,7 +14,7 @@ class IntervalsCover(unittest.TestCase):
         seeds = 12
         covered, errors, chi2 = coverage.run(seeds, paint, ("detector.shot_noise_v=4e-6",))
         share = sum(covered.values()) / (seeds * len(covered))
-        # 168 intervals, correlated within a seed: an honest 95 % falls outside once in some thousand runs,
+        # 12 seeds of 59 intervals, correlated within a seed: an honest 95 % falls outside once in some thousand runs,
         # and the seeds are fixed.
         self.assertGreater(share, 0.86, covered)
         self.assertLess(share, 0.999, covered)

@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """Do the 95 % intervals of the inversion hold the truth?
 
-Every seed is an emulated bench that measures its white standard and red gloss paint; the scans go
-through calibrate, reduce and invert, and each interval of a parameter that the data can determine is
-compared with the emulator's truth. Where a calibration is uncertain, the bench is made wrong by what
+Every seed is an emulated bench that measures its white standard and red gloss paint in the plane of
+incidence; the scans go through calibrate, reduce and invert, and each interval is compared with the
+emulator's truth: parameters that the data can determine, reflectance, and BRDF and DOLP in directions in
+and out of the plane of incidence. Where a calibration is uncertain, the bench is made wrong by what
 its certificate admits: the standard's scale and the amplifier's ranges are drawn from their stated
 uncertainties.
 """
@@ -17,6 +18,7 @@ import os
 import pathlib
 import platform
 import random
+import shutil
 import subprocess
 import tempfile
 
@@ -39,9 +41,9 @@ sample = "white-99"
 role = "white"
 wavelengths_nm = [532, 633, 814]
 theta_i_deg = [0, 45]
-theta_r_deg = { from = -80, to = 80, step = 10 }
+theta_r_deg = { from = -80, to = 80, step = 20 }
 states = [["P", "P"], ["P", "S"], ["P", "open"], ["S", "S"], ["S", "P"], ["S", "open"]]
-dwell_ms = 50
+dwell_ms = 20
 """
 
 PAINT = """
@@ -50,7 +52,7 @@ wavelengths_nm = [532, 633, 814]
 theta_i_deg = %s
 theta_r_deg = { from = -80, to = 80, step = %d, near = { within_deg = 8, step = %d } }
 states = [["P", "P"], ["P", "S"], ["P", "open"], ["S", "S"], ["S", "P"], ["S", "open"]]
-dwell_ms = 50
+dwell_ms = 20
 """
 
 # Determined by the data and away from their limits, judged by the truth: the slope instead of sigma
@@ -58,6 +60,19 @@ dwell_ms = 50
 QUANTITIES = ([("n", None), ("slope_2sigma_over_tau", None)] +
               [("k_dd", i) for i in range(3)] + [("k_udf+k_uds", i) for i in range(3)] +
               [("k_uds", 1), ("k_uds", 2), ("k_udf", 0)] + [("dhr", i) for i in range(3)])
+
+
+# (theta_i, theta_r, phi_r): in and about the lobe, three of them off the plane that was scanned; and, where
+# all light is diffuse and DOLP nought, for the BRDF alone.
+LOBE = [(30, 22, 0), (45, 43, 0), (60, 70, 0), (30, 30, 15), (45, 45, 12), (60, 55, 10)]
+DIRECTIONS = LOBE + [(60, -40, 0), (30, 40, 60), (60, 50, 120)]
+WAVELENGTHS = (532, 633, 814)
+# What the shares are counted over.
+KINDS = {"parameters": lambda name: not isinstance(name, tuple) and name != "dhr", "DHR": lambda name: name == "dhr",
+         "BRDF": lambda name: isinstance(name, tuple) and name[0] == "brdf",
+         "DOLP": lambda name: isinstance(name, tuple) and name[0] == "dolp"}
+QUANTITIES += [(("brdf", *direction), i) for direction in DIRECTIONS for i in range(3)]
+QUANTITIES += [(("dolp", *direction), i) for direction in LOBE for i in range(3)]
 
 
 def umov(*arguments):
@@ -88,14 +103,33 @@ def truth():
         known["k_uds", i] = value["k_uds"][i]
         known["k_udf+k_uds", i] = value["k_udf"][i] + value["k_uds"][i]
         known["dhr", i] = model_dhr(parameters, i)
+        for direction in DIRECTIONS:
+            brdf, dolp = model_direction(parameters, i, direction)
+            known[("brdf", *direction), i] = brdf
+            if direction in LOBE:
+                known[("dolp", *direction), i] = dolp
     return known
+
+
+def settings_of(parameters, wavelength_index):
+    names = ("n", "kappa", "sigma_um", "tau_um", "k_dd", "k_udf", "k_uds", "k_fs", "fs_width_deg", "fs_polarization")
+    return [word for name in names for word in ("--set", f"{name}={parameters[name]['value'][wavelength_index]:.17g}")]
+
+
+def model_direction(parameters, wavelength_index, direction):
+    """BRDF and DOLP (P4) of the true parameters."""
+    theta_i, theta_r, phi_r = direction
+    out = umov("model", "eval", "li-torrance", *settings_of(parameters, wavelength_index), "--wavelength-nm",
+               WAVELENGTHS[wavelength_index], "--theta-i", theta_i, f"--theta-r={theta_r}", "--phi-r", phi_r, "--json")
+    m = json.loads(out)["mueller"]
+    pp = 0.5 * (m[0] - m[1] - m[4] + m[5])
+    ps = 0.5 * (m[0] - m[1] + m[4] - m[5])
+    return m[0], (pp - ps) / (pp + ps)
 
 
 def model_dhr(parameters, wavelength_index):
     """Reflectance of the true parameters at 30 degrees, mirror part included as in fit.json, by the program's own integration."""
-    settings = []
-    for name in ("n", "kappa", "sigma_um", "tau_um", "k_dd", "k_udf", "k_uds", "k_fs"):
-        settings += ["--set", f"{name}={parameters[name]['value'][wavelength_index]:.17g}"]
+    settings = settings_of(parameters, wavelength_index)
     wavelength = (532, 633, 814)[wavelength_index]
     out = umov("model", "dhr", "li-torrance", *settings, "--wavelength-nm", wavelength, "--theta-i", 30, "--json")
     return json.loads(out)["total"]
@@ -121,16 +155,28 @@ def one_seed(seed, folder, paint, plant, calibration):
          "--range-tolerance", calibration.range_u)
     umov("reduce", here / "scan.h5", "--calibration", here / "cal.h5", "-o", here / "brdf.h5")
     umov("invert", here / "brdf.h5", "--model", "li-torrance", "-o", here / "fit.json", "--theta-i", 30,
-         "--no-held-out", "--threads", 1, "--quiet")
+         "--no-held-out", "--starts", 4, "--threads", 1, "--quiet",
+         "--predict", pathlib.Path(folder) / "directions.csv", "--predict-output", here / "prediction.csv")
     fit = json.loads((here / "fit.json").read_text())
+    with open(here / "prediction.csv", encoding="utf-8") as lines:
+        predicted = {}
+        for row in csv.DictReader(lines):
+            row = {key: float(value) for key, value in row.items()}
+            predicted[row["wavelength_nm"], row["theta_i_deg"], row["theta_r_deg"], row["phi_r_deg"]] = row
     found = {}
     for name, index in QUANTITIES:
+        if isinstance(name, tuple):
+            row = predicted[(WAVELENGTHS[index], *name[1:])]
+            column = "brdf_per_sr" if name[0] == "brdf" else "dolp"
+            found[name, index] = (row[column], row[f"{name[0]}_lo"], row[f"{name[0]}_hi"])
+            continue
         if name == "dhr":
             entry = next(d for d in fit["dhr"] if d["wavelength_nm"] == (532, 633, 814)[index] and d["theta_i_deg"] == 30)
         else:
             group = fit["derived"] if name in fit["derived"] else fit["parameters"]
             entry = group[name] if index is None else group[name][index]
         found[name, index] = (entry["value"], entry["lo"], entry["hi"])
+    shutil.rmtree(here)
     return found, fit["chi2"] / fit["dof"]
 
 
@@ -162,6 +208,8 @@ def run(seeds, paint, plant=(), calibration=EXACT, jobs=os.cpu_count(), first=1)
     chi2 = []
     with tempfile.TemporaryDirectory(prefix="umov-coverage-") as folder:
         umov("emulator", "--certificate", "white-99", "-o", pathlib.Path(folder) / "certificate.csv")
+        with open(pathlib.Path(folder) / "directions.csv", "w", encoding="utf-8") as out:
+            out.write("theta_i_deg,theta_r_deg,phi_r_deg\n" + "".join("%g,%g,%g\n" % d for d in DIRECTIONS))
         with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
             for found, ratio in pool.map(lambda s: one_seed(s, folder, paint, plant, calibration), range(first, first + seeds)):
                 chi2.append(ratio)
@@ -184,7 +232,10 @@ def table(seeds, covered, errors):
     lines = ["| quantity | nm | covered | rms relative error |", "|---|---|---|---|"]
     for (name, index), count in covered.items():
         wavelength = "all" if index is None else (532, 633, 814)[index]
-        label = "DHR(30°)" if name == "dhr" else f"`{name}`"
+        if isinstance(name, tuple):
+            label = "%s(%g°; %g°, %g°)" % (name[0].upper(), *name[1:])
+        else:
+            label = "DHR(30°)" if name == "dhr" else f"`{name}`"
         lines.append(f"| {label} | {wavelength} | {count}/{seeds} | {100 * rms(errors[name, index]):.3g} % |")
     return lines
 
@@ -195,10 +246,11 @@ def main():
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("-o", "--output", help="Markdown page to write")
     options = parser.parse_args()
-    paint = PAINT % ("[30, 45, 60]", 4, 1)
+    paint = PAINT % ("[30, 45, 60]", 5, 2)
     page = ["# Do the 95 % intervals hold the truth?", "",
-            "Emulated red gloss paint at 532, 633 and 814 nm, incidences 30, 45 and 60°, six polarisation states. Truth:",
-            "`umov emulator --describe red-gloss`, for the reflectance `umov model dhr` of it.", "",
+            "Emulated red gloss paint at 532, 633 and 814 nm, incidences 30, 45 and 60° in the plane of incidence, six polarisation",
+            "states. Truth: `umov emulator --describe red-gloss`, and of it `umov model dhr` and `umov model eval`. Directions are",
+            "(incidence; exit, azimuth); azimuths other than 0° lie out of the plane that was scanned.", "",
             f"Command `./dev study coverage --seeds {options.seeds}`, commit {commit()}, {platform.machine()}, {os.cpu_count()} cores.", ""]
     weak_light = ("detector.shot_noise_v=4e-6",)
     cases = (("Weak light, standard known exactly: shot noise of .03 % on white, .5 % on black", weak_light, EXACT),
@@ -206,14 +258,16 @@ def main():
              ("Weak light, standard's scale drawn within .5 %, amplifier ranges within .1 %", weak_light, CERTIFIED))
     for title, plant, calibration in cases:
         covered, errors, chi2 = run(options.seeds, paint, plant, calibration, options.jobs)
-        hits, trials = sum(covered.values()), options.seeds * len(covered)
-        low, high = clopper_pearson(hits, trials)
-        page += [f"## {title}", "",
-                 f"Covered {hits} of {trials}: **{100 * hits / trials:.1f} %** (target 92–97 %; "
-                 f"if all were independent, {100 * low:.1f}–{100 * high:.1f} %). "
+        page += [f"## {title}", "", "| 95 % intervals of | cover | of | share | if all were independent |", "|---|---|---|---|---|"]
+        for kind, belongs in KINDS.items():
+            mine = [count for (name, _), count in covered.items() if belongs(name)]
+            hits, trials = sum(mine), options.seeds * len(mine)
+            low, high = clopper_pearson(hits, trials)
+            page.append(f"| {kind} | {hits} | {trials} | **{100 * hits / trials:.1f} %** | {100 * low:.1f}–{100 * high:.1f} % |")
+        page += ["", f"Target 92–97 %. "
                  f"χ²/dof {sum(chi2) / len(chi2):.3f} on average, {min(chi2):.3f} to {max(chi2):.3f}.", ""]
         page += table(options.seeds, covered, errors) + [""]
-        print("\n".join(page[-(len(covered) + 6):]), flush=True)
+        print("\n".join(page[-(len(covered) + 11):]), flush=True)
     page += ["Quantities of one seed are correlated, so the binomial intervals are too narrow; in the last case nearly all of",
              "them share the standard's scale, and the share covered is little more than the share of seeds whose draw lay",
              "within two standard deviations."]

@@ -69,12 +69,13 @@ std::string text_of_file(const std::string& path) {
 
 class EmbeddedTransport : public instrument::Transport {
  public:
-  explicit EmbeddedTransport(const BenchOptions& options) : instrument_(options) {}
+  explicit EmbeddedTransport(std::shared_ptr<EmulatedInstrument> instrument)
+      : instrument_(std::move(instrument)) {}
 
-  void write(std::span<const std::uint8_t> bytes) override { instrument_.board().deliver(bytes); }
+  void write(std::span<const std::uint8_t> bytes) override { instrument_->board().deliver(bytes); }
 
   std::size_t read(std::span<std::uint8_t> buffer, std::chrono::microseconds timeout) override {
-    auto& board = instrument_.board();
+    auto& board = instrument_->board();
     if (used_ == output_.size()) {
       output_.clear();
       used_ = 0;
@@ -88,11 +89,11 @@ class EmbeddedTransport : public instrument::Transport {
     return n;
   }
 
-  std::uint64_t clock_us() override { return instrument_.board().now_us(); }
+  std::uint64_t clock_us() override { return instrument_->board().now_us(); }
   std::string name() const override { return "emulator"; }
 
  private:
-  EmulatedInstrument instrument_;
+  std::shared_ptr<EmulatedInstrument> instrument_;
   std::vector<std::uint8_t> output_;
   std::size_t used_ = 0;
 };
@@ -117,7 +118,8 @@ EmulatedInstrument::EmulatedInstrument(const BenchOptions& options,
   setup.config = options.plant_file.empty() ? plant::preset_config(options.preset)
                                             : plant::config_from_file(options.plant_file);
   for (const auto& setting : options.settings) plant::apply_override(setup.config, setting);
-  setup.sample = plant::make_sample(options.sample);
+  own_sample_ = plant::make_sample(options.sample);
+  setup.sample = own_sample_;
   setup.seed = options.seed;
   plant_ = std::make_unique<plant::Plant>(std::move(setup));
   wiring_ = std::make_unique<Wiring>(*plant_);
@@ -129,7 +131,12 @@ EmulatedInstrument::EmulatedInstrument(const BenchOptions& options,
 }
 
 std::unique_ptr<instrument::Transport> make_embedded(const BenchOptions& options) {
-  return std::make_unique<EmbeddedTransport>(options);
+  return connect_embedded(std::make_shared<EmulatedInstrument>(options));
+}
+
+std::unique_ptr<instrument::Transport> connect_embedded(
+    std::shared_ptr<EmulatedInstrument> instrument) {
+  return std::make_unique<EmbeddedTransport>(std::move(instrument));
 }
 
 }  // namespace umov::emulator

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "boards/native/native_board.hpp"
@@ -37,10 +38,17 @@ class EmulatedInstrument {
   explicit EmulatedInstrument(const BenchOptions& options,
                               std::function<std::uint64_t()> link_time_us = {});
 
+  /// What a person at the instrument does, in settings as a `# block:` line has them:
+  /// sample_azimuth_deg, iris_fraction, sample_removed, filter=long_pass, sample=NAME (another one
+  /// on the stage). What is not named is as usual. Throws umov::Error for anything else.
+  void arrange(const std::vector<std::pair<std::string, std::string>>& settings);
+
   boards::native::NativeBoard& board() { return *board_; }
   plant::Plant& plant() { return *plant_; }
+  const plant::Plant& plant() const { return *plant_; }
 
  private:
+  std::shared_ptr<const plant::Sample> own_sample_;
   std::unique_ptr<plant::Plant> plant_;
   std::unique_ptr<boards::native::World> wiring_;
   std::unique_ptr<boards::native::NativeBoard> board_;
@@ -48,6 +56,9 @@ class EmulatedInstrument {
 
 /// An instrument in this process whose virtual time passes while the host waits for bytes.
 std::unique_ptr<instrument::Transport> make_embedded(const BenchOptions& options);
+/// A connection to one that lives on when it ends; one at a time.
+std::unique_ptr<instrument::Transport> connect_embedded(
+    std::shared_ptr<EmulatedInstrument> instrument);
 
 /// How `serve` runs.
 struct ServeOptions {

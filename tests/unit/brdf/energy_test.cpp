@@ -5,7 +5,9 @@
 
 #include "host/brdf/dhr.hpp"
 #include "host/brdf/evaluate.hpp"
+#include "host/brdf/sampler.hpp"
 #include "host/errors/error.hpp"
+#include "tests/unit/brdf/sampling_statistics.hpp"
 #include "tests/unit/brdf/variants.hpp"
 
 namespace umov::brdf {
@@ -115,6 +117,58 @@ TEST(Phong, ReflectsKsAtNormalIncidence) {
     EXPECT_NEAR(dhr(Model::by_name("phong"), std::vector{0.3, exponent}, 0.633, 0.0).unpolarized,
                 0.3, 1e-6);
   }
+}
+
+TEST(Phong, ReflectsTheCosineOfIncidenceAsLongAsItsLobeClearsTheHorizon) {
+  const Model model = Model::by_name("phong");
+  for (const double exponent : {1e4, 1e5, 1e6}) {
+    for (const double degrees_i : {30.0, 75.0, 80.0, 85.0, 87.0, 89.0, 89.5}) {
+      const double cos_i = std::cos(radians(degrees_i));
+      if (cos_i * std::sqrt(exponent) < 6.0) continue;
+      const Dhr d = dhr(model, std::vector{0.3, exponent}, 0.633, radians(degrees_i));
+      EXPECT_NEAR(d.unpolarized, 0.3 * cos_i, 1e-7) << exponent << " at " << degrees_i;
+      EXPECT_LE(std::abs(d.unpolarized - 0.3 * cos_i), d.accuracy);
+      EXPECT_LT(d.accuracy, 4e-6);
+    }
+  }
+}
+
+/// Mean of the diffuse part's weights, which knows nothing of quadrature.
+void expect_drawn(const Model& model, const std::vector<double>& values, double degrees_i) {
+  const Sampler sampler(model, values, 0.633);
+  constexpr int count = 20000;
+  double sum = 0.0, squares = 0.0;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const auto u = statistics::uniform(77, i);
+    const auto sample = sampler.sample(radians(degrees_i), u[0], u[1], u[2]);
+    if (!sample || sample->mirror) continue;
+    const double weight = element(sample->weight, 0, 0);
+    sum += weight;
+    squares += weight * weight;
+  }
+  const double mean = sum / count;
+  const double error = std::sqrt((squares / count - mean * mean) / count);
+  const Dhr d = dhr(model, values, 0.633, radians(degrees_i));
+  ASSERT_LT(error, 0.03 * mean) << model.name() << " at " << degrees_i;
+  EXPECT_NEAR(d.unpolarized, mean, 4.0 * error + d.accuracy) << model.name() << " at " << degrees_i;
+  EXPECT_LT(d.accuracy, 2e-6 * (1.0 + d.unpolarized));
+}
+
+TEST(Dhr, AgreesWithDrawingAtGrazingIncidence) {
+  const Model he = Model::by_name("he-torrance");
+  std::vector<double> rough = he.initial_values();
+  rough[he.index_of("sigma_um")] = 2.0;
+  rough[he.index_of("tau_um")] = 50.0;
+  for (const double degrees_i : {89.9, 89.99, 89.999}) {
+    expect_drawn(he, he.initial_values(), degrees_i);
+    expect_drawn(he, rough, degrees_i);
+  }
+  for (const double degrees_i : {89.0, 89.8, 89.99}) {
+    expect_drawn(Model::by_name("ward"), {0.5, 0.01, 0.5}, degrees_i);
+    expect_drawn(Model::by_name("ward"), {0.5, 0.5, 0.01}, degrees_i);
+  }
+  expect_drawn(Model::by_name("phong"), {0.3, 1e5}, 89.9);
+  expect_drawn(Model::by_name("ggx"), {0.05, 100.0, 0.02}, 89.9);
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ TEST(Model, EveryModelHasSensibleParameters) {
     const Model model = Model::by_name(name);
     EXPECT_EQ(model.name(), name);
     EXPECT_FALSE(Model::description(name).empty());
-    EXPECT_FALSE(model.parameters().empty());
+    EXPECT_FALSE(model.parameters().empty() && model.table_slots().empty());
     for (const Parameter& p : model.parameters()) {
       EXPECT_LE(p.min, p.initial) << name << " " << p.name;
       EXPECT_LE(p.initial, p.max) << name << " " << p.name;
@@ -55,6 +55,35 @@ TEST(Model, ParametersHaveTheirContractNames) {
   EXPECT_THAT(parameter_names(Model::by_name("li-torrance")),
               ElementsAre("n", "kappa", "sigma_um", "tau_um", "k_dd", "k_udf", "k_uds", "k_fs",
                           "fs_width_deg", "fs_polarization"));
+}
+
+TEST(Model, NewModelsHaveTheirContractNamesToo) {
+  EXPECT_THAT(parameter_names(Model::by_name("rayleigh-rice")),
+              ElementsAre("n", "kappa", "sigma_um", "correlation_um"));
+  EXPECT_THAT(parameter_names(Model::by_name("rayleigh-rice:psd=abc")),
+              ElementsAre("n", "kappa", "abc_a", "abc_b", "abc_c"));
+  EXPECT_THAT(parameter_names(Model::by_name("beard-maxwell")),
+              ElementsAre("n", "kappa", "slope_rms", "bias", "omega", "tau", "rho_d", "rho_v"));
+  EXPECT_THAT(parameter_names(Model::by_name("beard-maxwell:shadowing=smith")),
+              ElementsAre("n", "kappa", "slope_rms", "bias", "rho_d", "rho_v"));
+  EXPECT_TRUE(parameter_names(Model::by_name("tabulated")).empty());
+}
+
+TEST(Model, NamesThatUsersBringLeadToTheModelTheyMean) {
+  for (const Alias& alias : Model::aliases()) {
+    EXPECT_EQ(Model::by_name(alias.name).name(), Model::by_name(alias.model).name());
+    EXPECT_FALSE(alias.meaning.empty());
+    for (const std::string& name : Model::names()) EXPECT_NE(alias.name, name);
+  }
+  EXPECT_EQ(Model::by_name("torrance-sparrow:slopes=exponential+nef").name(),
+            "microfacet:shadowing=vgroove,slopes=exponential+nef");
+}
+
+TEST(Model, EveryModelSaysWhereItsFormulaIsAndWhatItsLimitsAre) {
+  for (const std::string& name : Model::names()) {
+    EXPECT_FALSE(Model::formula(name).empty()) << name;
+    EXPECT_FALSE(Model::remarks(name).empty()) << name;
+  }
 }
 
 TEST(Model, SumsPrefixParametersByPosition) {

@@ -57,6 +57,9 @@ struct Instrument {
   double slow_relative = 0;     ///< of the signal from record to record, unseen by block scatter
   double solid_angle_sr = 1e-4;
   int block_dof = 9;
+  double power = 1;        ///< of the source: signal and monitor go with it
+  double kappa_per_v = 0;  ///< the detector reads S/(1 + κS)
+  std::function<double(double)> stray_per_sr = [](double) { return 0.0; };  ///< of θr
 };
 
 struct Plan {
@@ -80,11 +83,11 @@ inline void add_record(formats::ScanTable& scan, const Instrument& instrument,
                        bool shutter_open) {
   std::normal_distribution<double> normal;
   std::chi_squared_distribution<double> chi2(instrument.block_dof);
-  const double source = 1.0 + instrument.source_relative * normal(random);
+  const double source = instrument.power * (1.0 + instrument.source_relative * normal(random));
   double s =
       shutter_open ? nominal_v * source * (1.0 + instrument.slow_relative * normal(random)) : 0.0;
   if (gain == 0) gain = auto_range(s);
-  s = s * (1.0 + instrument.range_error(gain));
+  s = s / (1.0 + instrument.kappa_per_v * s) * (1.0 + instrument.range_error(gain));
   const double variance =
       instrument.base_v * instrument.base_v + instrument.adc_v * instrument.adc_v / (gain * gain) +
       instrument.shot_v * std::abs(s) + instrument.relative * instrument.relative * s * s;
@@ -118,8 +121,10 @@ inline double nominal_signal(const Instrument& instrument, const Brdf& f, double
                                f(theta_i, theta_r, wavelength, polarizer, 0));
   else
     seen *= 1.0 - instrument.bias * std::cos(2 * analyzer * degree);
-  return instrument.gain_constant.at(wavelength) * seen * std::cos(theta_r * degree) *
-         instrument.solid_angle_sr / instrument.instrument_function(theta_r);
+  const double share = std::isnan(analyzer) ? 1.0 : 0.5;
+  return instrument.gain_constant.at(wavelength) * instrument.solid_angle_sr *
+         (seen * std::cos(theta_r * degree) / instrument.instrument_function(theta_r) +
+          share * instrument.stray_per_sr(theta_r));
 }
 
 inline formats::ScanTable make_scan(const Instrument& instrument, const Brdf& f, const Plan& plan,
@@ -151,6 +156,43 @@ inline void add_closed(formats::ScanTable& scan, const Instrument& instrument,
       add_record(scan, instrument, random, 0, 0, scan.wavelength_nm.front(), open_axis, open_axis,
                  gain, 0.0, false);
   scan.blocks.push_back({"shutter", first, static_cast<std::int64_t>(scan.size()) - 1, {}});
+}
+
+/// Appends the records of `more` as a block.
+inline void append(formats::ScanTable& scan, const formats::ScanTable& more,
+                   const std::string& block,
+                   std::vector<std::pair<std::string, std::string>> settings = {}) {
+  const auto first = static_cast<std::int64_t>(scan.size());
+  const double start = scan.time_s.empty() ? 0.0 : scan.time_s.back();
+  const auto join = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  for (std::size_t i = 0; i < more.size(); ++i) {
+    scan.index.push_back(first + static_cast<std::int64_t>(i));
+    scan.time_s.push_back(start + more.time_s[i]);
+  }
+  join(scan.theta_i_deg, more.theta_i_deg);
+  join(scan.theta_r_deg, more.theta_r_deg);
+  join(scan.phi_r_deg, more.phi_r_deg);
+  join(scan.wavelength_nm, more.wavelength_nm);
+  join(scan.polarizer_deg, more.polarizer_deg);
+  join(scan.analyzer_deg, more.analyzer_deg);
+  join(scan.direction, more.direction);
+  join(scan.gain, more.gain);
+  join(scan.x_v, more.x_v);
+  join(scan.y_v, more.y_v);
+  join(scan.x_se_v, more.x_se_v);
+  join(scan.y_se_v, more.y_se_v);
+  join(scan.monitor_v, more.monitor_v);
+  join(scan.saturated, more.saturated);
+  join(scan.shutter_open, more.shutter_open);
+  scan.blocks.push_back(
+      {block, first, static_cast<std::int64_t>(scan.size()) - 1, std::move(settings)});
+}
+
+/// A block without a sample: stray light alone, at several exit angles.
+inline void add_no_sample(formats::ScanTable& scan, Instrument instrument, const Plan& plan,
+                          std::uint64_t seed) {
+  append(scan, make_scan(instrument, lambertian(0.0), plan, seed ^ 0xbacULL), "no_sample",
+         {{"sample_removed", "1"}});
 }
 
 inline formats::ScanTable make_white(const Instrument& instrument, double rho, Plan plan,

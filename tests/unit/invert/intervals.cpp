@@ -206,7 +206,9 @@ TEST(Intervals, TheTwoDiffuseCoefficientsAreNamedAsConfusedAndTheirSumIsGiven) {
   EXPECT_LT(pair->coefficient, -0.95);
   EXPECT_TRUE(
       std::any_of(fit.identifiability.begin(), fit.identifiability.end(), [](const std::string& s) {
-        return s.find("k_udf and k_uds are hard to separate at 532 nm: correlation -0.99") == 0 &&
+        return s.find(
+                   "k_udf and k_uds are hard to separate at 532 nm by polarised data in the plane "
+                   "of incidence: correlation -0.99") == 0 &&
                s.find("their sum") != std::string::npos;
       }));
   const auto& sum = fit.find("k_udf+k_uds")->estimates;

@@ -25,10 +25,10 @@ double dolp(const Sample& s, double ti, double tr, double nm) {
   return (pp - ps) / (pp + ps);
 }
 
-TEST(ShippedSamples, AreTheNineOfTheInstrument) {
-  const std::vector<std::string> expected = {"black-gloss", "black-matte",   "black-semi-gloss",
-                                             "germanium",   "lambertian-99", "red-gloss",
-                                             "white-50",    "white-70",      "white-99"};
+TEST(ShippedSamples, AreTheTenOfTheInstrument) {
+  const std::vector<std::string> expected = {
+      "black-gloss", "black-matte",     "black-semi-gloss", "germanium", "lambertian-99",
+      "red-gloss",   "satin-composite", "white-50",         "white-70",  "white-99"};
   EXPECT_EQ(sample_names(), expected);
   for (const std::string& name : expected) {
     EXPECT_EQ(make_sample(name)->name(), name);

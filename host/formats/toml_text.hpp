@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace umov::scan {
+namespace umov::formats {
 
 /// Refuses what toml++ 3.3 takes for granted instead of checking: control characters, letters
 /// outside ASCII where TOML has none (outside of texts and comments), brackets that do not match,
@@ -12,4 +12,4 @@ namespace umov::scan {
 /// is undefined in others. Throws umov::Error with line and column.
 void refuse_unparsable(std::string_view text, const std::string& file);
 
-}  // namespace umov::scan
+}  // namespace umov::formats

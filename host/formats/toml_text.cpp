@@ -1,10 +1,10 @@
-#include "host/scan/plan_lexis.hpp"
+#include "host/formats/toml_text.hpp"
 
 #include <cstddef>
 
 #include "host/errors/error.hpp"
 
-namespace umov::scan {
+namespace umov::formats {
 namespace {
 
 bool starts_key(char c) {
@@ -38,7 +38,7 @@ class Walker {
       }
     }
     throw Error(Place{file_, line, std::to_string(column)},
-                std::string("not valid TOML: ") + problem, "see the plans in examples/plans");
+                std::string("not valid TOML: ") + problem, "compare with the files in examples/");
   }
 
   void check_characters() const {
@@ -119,4 +119,4 @@ void refuse_unparsable(std::string_view text, const std::string& file) {
   Walker(text, file).run();
 }
 
-}  // namespace umov::scan
+}  // namespace umov::formats

@@ -1,0 +1,35 @@
+#include "host/cli/study/study.hpp"
+
+#include <array>
+
+#include "host/cli/study/real_data.hpp"
+#include "host/cli/study/reflectometer.hpp"
+#include "host/errors/error.hpp"
+
+namespace umov::study {
+namespace {
+
+constexpr std::array all{
+    Study{"reflectometer",
+          "the paper's instrument repeated: calibration, paints, inversion (minutes)",
+          reflectometer},
+    Study{"real-data", "in-plane fits foretell real data out of the plane (minutes; UMOV_DATA)",
+          real_data, true},
+};
+
+}  // namespace
+
+std::span<const Study> studies() {
+  return all;
+}
+
+const Study& find_study(std::string_view name) {
+  std::string names;
+  for (const Study& study : all) {
+    if (study.name == name) return study;
+    names += (names.empty() ? "" : ", ") + std::string(study.name);
+  }
+  throw Error("there is no study `" + std::string(name) + "`", "there are: " + names);
+}
+
+}  // namespace umov::study

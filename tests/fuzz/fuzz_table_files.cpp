@@ -1,0 +1,140 @@
+// BRDF tables of other programs: MERL, RGL tensors, Zemax. Whatever the bytes, a reader either
+// refuses them with umov::Error or yields a table that evaluates to finite numbers and goes through
+// its own format unchanged.
+//
+// The first byte chooses the format, the second whether the rest is the file itself or a list of
+// edits to a small valid one: random bytes alone would hardly get past a header. MERL files have
+// one size only, some 35 MB; here its reader is asked for fewer cells. fuzz-link: umov_formats
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+#include "host/errors/error.hpp"
+#include "host/formats/merl.hpp"
+#include "host/formats/rgl_tensor.hpp"
+#include "host/formats/tensor_file.hpp"
+#include "host/formats/zemax_bsdf.hpp"
+
+namespace {
+
+using namespace umov;
+using namespace umov::formats;
+
+constexpr HalfAngleCells cells = {2, 3, 2};
+
+void require(bool good) {
+  if (!good) std::abort();
+}
+
+const std::string& merl_original() {
+  static const std::string bytes = [] {
+    std::vector<double> values(3 * cells.count());
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = i % 5 == 4 ? -1.0 : static_cast<double>(i);
+    return merl_bytes(HalfAngleTable(cells, values, "original"), {}, cells);
+  }();
+  return bytes;
+}
+
+const std::string& rgl_original() {
+  static const std::string bytes = [] {
+    RglData d;
+    d.description = "a";
+    d.phi_i = {0.0f};
+    d.theta_i = {0.1f, 1.0f};
+    d.wavelengths_nm = {500.0f, 600.0f};
+    d.ndf_rows = d.ndf_columns = d.sigma_rows = d.sigma_columns = 2;
+    d.ndf = d.sigma = {1, 2, 3, 4};
+    d.vndf_rows = 3, d.vndf_columns = 2;
+    d.vndf = {0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1};
+    d.resolution = 2;
+    d.luminance.assign(8, 1.0f);
+    d.spectra = {1, 2, 3, 4, 5, 6, 7, 8, 8, 7, 6, 5, 4, 3, -2, 1};
+    d.valid = {255};
+    return rgl_bytes(d);
+  }();
+  return bytes;
+}
+
+const std::string zemax_original =
+    "# wavelength: 633 nm\nSource Measured\nSymmetry PlaneSymmetrical\nSpectralContent Monochrome\n"
+    "ScatterType BRDF\nSampleRotation 1\n0\nAngleOfIncidence 2\n5 60\nScatterAzimuth 2\n0 180\n"
+    "ScatterRadial 3\n0 20 90.5\nMonochrome\nDataBegin\nTIS .3\n1 2 3\n1e-2 5 6\nTIS 1\n7 8 9\n1 1 "
+    "2\nDataEnd\n";
+
+/// Three bytes an edit: where (two), and what. 0 deletes, 1 doubles the rest of the line, 2 cuts
+/// the file off; any other byte replaces the one there, from 192 on it is inserted less 192.
+std::string edited(std::string text, const std::uint8_t* data, std::size_t size) {
+  for (std::size_t n = 0; n + 2 < size && !text.empty() && text.size() < 65536; n += 3) {
+    const std::size_t at = (std::size_t{data[n]} << 8 | data[n + 1]) % text.size();
+    const std::uint8_t what = data[n + 2];
+    if (what == 0) {
+      text.erase(at, 1);
+    } else if (what == 1) {
+      text.insert(at, text.substr(at, text.find('\n', at) - at + 1));
+    } else if (what == 2) {
+      text.resize(at);
+    } else if (what >= 192) {
+      text.insert(at, 1, static_cast<char>(what - 192));
+    } else {
+      text[at] = static_cast<char>(what);
+    }
+  }
+  return text;
+}
+
+void evaluate(const brdf::Table& table) {
+  for (const double theta_i : {0.0, 0.3, 1.5})
+    for (const double theta_r : {-1.2, 0.0, 0.5, 1.57})
+      for (const double phi : {-3.0, 0.0, 0.2, 2.0})
+        for (const double um : {0.1, 0.55, 2.0}) {
+          const double value = table.at(um, {theta_i, theta_r, phi})[0][0];
+          // Numbers near the limits of their type may overflow in sums; they never turn to NaN
+          // or negative.
+          require(!std::isnan(value) && value >= 0.0);
+        }
+}
+
+void read_one(std::size_t format, std::string_view bytes) {
+  if (format == 0) {
+    const auto table = parse_merl(bytes, "fuzz", cells);
+    evaluate(*table);
+    require(merl_bytes(*table, {}, cells) == bytes);
+  } else if (format == 1) {
+    looks_like_tensor_file(bytes);
+    const TablePtr table = read_rgl(bytes, "fuzz");
+    evaluate(*table);
+    const std::string once = write_rgl(*table, {});
+    require(write_rgl(*read_rgl(once, "again"), {}) == once);
+  } else {
+    looks_like_zemax(bytes);
+    const TablePtr table = read_zemax(bytes, "fuzz");
+    evaluate(*table);
+    // Origins differ: comments are left out.
+    const auto data_of = [](const std::string& text) { return text.substr(text.find("\nSource")); };
+    const std::string once = write_zemax(*table, {});
+    require(data_of(write_zemax(*read_zemax(once, "again"), {})) == data_of(once));
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size < 2) return 0;
+  const std::size_t format = data[0] % 3;
+  const std::array<const std::string*, 3> originals = {&merl_original(), &rgl_original(),
+                                                       &zemax_original};
+  const std::string bytes = data[1] % 4 == 0
+                                ? std::string(reinterpret_cast<const char*>(data + 2), size - 2)
+                                : edited(*originals[format], data + 2, size - 2);
+  try {
+    read_one(format, bytes);
+  } catch (const Error&) {
+  }
+  return 0;
+}
