@@ -76,7 +76,8 @@ TEST(MuellerColumns, SurviveBrdfH5WithTheirGaps) {
 }
 
 TEST(MuellerColumns, CovarianceIsPackedBySymmetry) {
-  const auto& m = *linear_table().mueller;
+  const BrdfTable table = linear_table();
+  const auto& m = *table.mueller;
   EXPECT_EQ(m.covariance_at(0, 0, 0), 0u);
   EXPECT_EQ(m.covariance_at(0, 0, 8), 8u);
   EXPECT_EQ(m.covariance_at(0, 1, 1), 9u);
