@@ -28,7 +28,7 @@ case "${1:-}" in
     # A study by file: tools/studies/NAME.py writes its page, and its figures where it has any.
     if [[ -f tools/studies/$1.py && $1 != figures ]]; then
       /usr/bin/python3 "tools/studies/$1.py" -o "docs/studies/$1.md" "${@:2}"
-    elif "$umov" study | grep -q "^$1 "; then
+    elif "$umov" study | grep "^$1 " >/dev/null; then
       program_study "$@"
     else
       echo "dev: there is no study '$1'; ./dev study lists them" >&2

@@ -75,10 +75,9 @@ std::vector<StandardRow> rows_of(const Prepared& input, double wavelength, doubl
     const DarkLevel dark = input.dark.at(scan.gain[i]);
     const double true_part = 1.0 + input.ranges.at(scan.gain[i]).error;
     StandardRow row;
-    row.signal_v = input.nonlinearity.true_signal(
-        ((scan.x_v[i] - dark.x_v) * std::cos(phase_rad) +
-         (scan.y_v[i] - dark.y_v) * std::sin(phase_rad)) /
-        true_part);
+    row.signal_v = input.nonlinearity.true_signal(((scan.x_v[i] - dark.x_v) * std::cos(phase_rad) +
+                                                   (scan.y_v[i] - dark.y_v) * std::sin(phase_rad)) /
+                                                  true_part);
     row.stray_base = stray_base(input, i);
     row.phi_r_deg = scan.phi_r_deg[i];
     row.base = *f * cosine * input.solid_angle_sr * scan.monitor_v[i];
@@ -468,9 +467,8 @@ Calibration calibrate(std::span<const StandardScan> standards,
     apply_polarization(rows, wafer);
     subtract_stray(rows, options.stray, wavelength);
     set_variances(rows, input, wavelength);
-    const StandardFit fit =
-        fit_with_own_scatter(rows, input, wavelength, calibration.wavelengths.size(), options,
-                              entry, calibration.notes);
+    const StandardFit fit = fit_with_own_scatter(
+        rows, input, wavelength, calibration.wavelengths.size(), options, entry, calibration.notes);
     entry.gain_constant_v = std::exp(fit.parameters(0));
     const Eigen::Index kept = entry.parameters();
     entry.covariance = fit.covariance.topLeftCorner(kept, kept);

@@ -28,8 +28,8 @@ const WavelengthCalibration& Calibration::at(double wavelength_nm) const {
 double record_variance(const NoiseModel& noise, const WavelengthCalibration& entry, double gain,
                        double signal_v) {
   const double law = noise.variance_normalised(entry.wavelength_nm, gain, signal_v);
-  const double more = entry.record_scatter * entry.record_scatter -
-                      noise.relative2_normalised(entry.wavelength_nm);
+  const double more =
+      entry.record_scatter * entry.record_scatter - noise.relative2_normalised(entry.wavelength_nm);
   return law + std::max(0.0, more) * signal_v * signal_v;
 }
 

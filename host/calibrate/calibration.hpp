@@ -65,13 +65,13 @@ struct WavelengthCalibration {
 };
 
 /// A calibration quantity that points share beyond the gain's own statistics: shift of each
-/// wavelength's parameters for one standard deviation; of ranges and nonlinearity, for the column of
-/// electronics_shifts() that belongs to `gain` (nonlinearity: the last one); of stray light, for
+/// wavelength's parameters for one standard deviation; of ranges and nonlinearity, for the column
+/// of electronics_shifts() that belongs to `gain` (nonlinearity: the last one); of stray light, for
 /// column `cause` of StrayLight::shifts().
 struct Systematic {
   enum class Kind { dark, range, nonlinearity, stray, detector_zero };
   Kind kind;
-  double gain = 1;                     ///< amplifier range concerned; 0 = none
+  double gain = 1;  ///< amplifier range concerned; 0 = none
   std::size_t cause = 0;
   std::vector<Eigen::VectorXd> shift = {};  ///< per wavelength, in the order of its parameters
 };
@@ -95,7 +95,7 @@ struct Calibration {
   /// shadow: the standard was dark there. 0 = none seen.
   double retro_shadow_deg = 0;
   double shape_amplitude = 0;  ///< of the standard, see ReferenceStandard::shape
-  double shape_u = 0;  ///< amplitude of ReferenceStandard::shape, one sigma
+  double shape_u = 0;          ///< amplitude of ReferenceStandard::shape, one sigma
   std::vector<WavelengthCalibration> wavelengths;
   Dark dark;
   RangeErrors ranges;
@@ -131,7 +131,7 @@ struct CalibrateOptions {
   /// Ranges and detector law where they are known from elsewhere (find_linearity over a campaign);
   /// else the ranges come from the standard's own scan and κ is zero.
   std::optional<Linearity> linearity;
-  StrayLight stray;         ///< empty: none
+  StrayLight stray;  ///< empty: none
   /// From find_polarization. Its δ joins the standard's own, which is applied then unless `bias` is
   /// off.
   std::optional<PolarizationCalibration> polarization;
@@ -143,8 +143,8 @@ struct CalibrateOptions {
   bool checks = true;  ///< compute the reflectance of the standards
 };
 
-/// Variance of a record's signal after division by the monitor, V²: the noise law of its scan, or the
-/// scatter of the standard's records where that is more.
+/// Variance of a record's signal after division by the monitor, V²: the noise law of its scan, or
+/// the scatter of the standard's records where that is more.
 double record_variance(const NoiseModel& noise, const WavelengthCalibration& entry, double gain,
                        double signal_v);
 

@@ -459,9 +459,8 @@ void read_ranges(const formats::Hdf5Reader& file, Calibration& calibration) {
   }
   for (std::size_t k = 0; k < kind.size(); ++k) {
     Systematic systematic;
-    const auto known =
-        std::find_if(kind_names.begin(), kind_names.end(),
-                     [&](const auto& entry) { return kind[k] == entry.second; });
+    const auto known = std::find_if(kind_names.begin(), kind_names.end(),
+                                    [&](const auto& entry) { return kind[k] == entry.second; });
     if (known == kind_names.end()) file.fail("/systematics/kind", "is unknown: " + kind[k]);
     systematic.kind = known->first;
     systematic.gain = concerned[k];
@@ -497,9 +496,8 @@ std::optional<PolarizationCalibration> read_polarization(const formats::Hdf5Read
   if (mirror.size() != 1) file.fail("/mirror/sample", "has not one entry");
   polarization.mirror = sample.front();
   polarization.index = index.front();
-  for_each_mirror_geometry([&](const char* name, auto member) {
-    polarization.*member = mirror.numbers(name).front();
-  });
+  for_each_mirror_geometry(
+      [&](const char* name, auto member) { polarization.*member = mirror.numbers(name).front(); });
   polarization.notes = file.texts("/mirror/notes");
   std::size_t rows = 0, columns = 0;
   const auto covariance = file.matrix(polarization_covariance, rows, columns);

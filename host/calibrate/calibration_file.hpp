@@ -5,7 +5,8 @@
 // the order ln C, instrument-function coefficients, bias; of the amplifier ranges' errors),
 // /instrument_function/{degrees_<nm>,coefficients_<nm>}, /systematics/{kind,gain,shift_<nm>},
 // /dark, /ranges, where there is a mirror scan /polarization, /mirror and
-// /covariance/polarization (9 × wavelengths square, order of PolarizationParameter); /checks, /inputs, /header/{key,value}, /notes.
+// /covariance/polarization (9 × wavelengths square, order of PolarizationParameter); /checks,
+// /inputs, /header/{key,value}, /notes.
 #pragma once
 
 #include <filesystem>

@@ -28,9 +28,9 @@ struct Dark {
 
 /// Weighted means of the shutter-closed records of each range; the scatter between records widens
 /// the uncertainty where it exceeds the noise law. Ranges that occur in the scan without a closed
-/// record get zero; their uncertainty is the size of the quadrature signal of that range that does not
-/// go with X (an offset of the electronics shows there too, a lock-in phase does not) or its standard
-/// error, whichever is larger.
+/// record get zero; their uncertainty is the size of the quadrature signal of that range that does
+/// not go with X (an offset of the electronics shows there too, a lock-in phase does not) or its
+/// standard error, whichever is larger.
 Dark find_dark(const formats::ScanTable& scan, const ScanRows& set_up, const NoiseModel& noise);
 
 /// Dark of a scan of role `dark`: all of its rows count as closed.
@@ -39,8 +39,8 @@ Dark find_dark_of_dark_scan(const formats::ScanTable& scan, const NoiseModel& no
 /// `first` where it has measured levels, completed by measured levels of `second`.
 Dark merge(const Dark& first, const Dark& second);
 
-/// Measured levels of several scans of one instrument, range by range: weighted means, widened where
-/// the scans differ by more than their uncertainties.
+/// Measured levels of several scans of one instrument, range by range: weighted means, widened
+/// where the scans differ by more than their uncertainties.
 Dark pool(const std::vector<Dark>& scans);
 
 /// Lock-in phase: X + iY = S exp(i phase).

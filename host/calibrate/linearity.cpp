@@ -296,17 +296,22 @@ Linearity find_linearity(std::span<const RangeInput> inputs, const LinearityOpti
   if (material.gains.empty()) return result;
 
   const std::vector<bool> seen = compared_ranges(material);
-  const double wide = 10.0 * options.kappa_tolerance_per_v;
-  Eigen::VectorXd prior = priors(material, seen, wide, options);
-  const double slow2 = find_slow_noise(material, prior);
+  // Without the tolerance of kappa first: do the scans contradict it?
+  const double no_prior = 1e3 * options.kappa_tolerance_per_v;
+  const double slow2 = find_slow_noise(material, priors(material, seen, no_prior, options));
   Fit fit(material, slow2);
-  fit.solve(prior);
+  fit.solve(priors(material, seen, no_prior, options));
   const auto kappa_u = [&] { return std::sqrt(fit.covariance(fit.kappa(), fit.kappa())); };
-  law.measured = kappa_u() < options.kappa_tolerance_per_v;
-  if (!law.measured) {
-    prior = priors(material, seen, options.kappa_tolerance_per_v, options);
-    fit.solve(prior);
-  }
+  const double alone = fit.parameters(fit.kappa()), alone_u = kappa_u();
+  fit.solve(priors(material, seen, options.kappa_tolerance_per_v, options));
+  law.measured = alone_u < options.kappa_tolerance_per_v;
+  if (std::abs(alone) > 3.0 * std::hypot(alone_u, options.kappa_tolerance_per_v))
+    result.notes.push_back(fmt::format(
+        "linearity: the comparisons alone say kappa = {:.2g} +- {:.2g} /V, far beyond the "
+        "tolerance "
+        "of {:.2g}, which pulls the result towards zero: look at the detector, or raise "
+        "tolerance.nonlinearity_per_v",
+        alone, alone_u, options.kappa_tolerance_per_v));
   law.kappa_per_v = fit.parameters(fit.kappa());
   law.kappa_u_per_v = kappa_u();
   law.records = material.records;

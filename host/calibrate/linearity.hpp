@@ -56,8 +56,8 @@ struct Linearity {
 };
 
 /// Compares records of equal geometry, states and wavelength of each scan that differ in power or
-/// range. Where they say less of κ than the tolerance does, the tolerance is the prior and `notes`
-/// say so; where κ and a range cannot be told apart, too.
+/// range. The tolerance of κ is its prior. `notes` say where the comparisons tell less than it,
+/// where they contradict it, and where κ and a range cannot be told apart.
 Linearity find_linearity(std::span<const RangeInput> inputs, const LinearityOptions& options = {});
 
 /// Runs of records that drift may set apart, as find_linearity sees them: number of the run of each

@@ -36,6 +36,14 @@ struct Truth {
   std::optional<PolarizationCalibration> polarizers;
 };
 
+/// Spread of the truth that is drawn for a quantity with prior `prior_u` and result `result_u`.
+/// Where scans fix it far better than the prior, drawing the whole prior would leave the linear
+/// range for nothing: at this limit what the estimate does not follow is a twentieth of its
+/// variance.
+double drawn_u(double prior_u, double result_u) {
+  return std::min(prior_u, std::sqrt(20.0) * result_u);
+}
+
 double cos_twice(double axis_deg) {
   return formats::is_open(axis_deg) ? 0.0 : std::cos(2.0 * axis_deg * degree);
 }
@@ -146,16 +154,18 @@ class Drawing {
     const double range_tolerance = options_.linearity.range_tolerance;
     for (const RangeError& range : calibration_.ranges.ranges)
       truth.range_error[range.gain] =
-          range.u > 0 ? (range.measured ? 10.0 : 1.0) * range_tolerance * normal() : 0.0;
+          drawn_u((range.measured ? 10.0 : 1.0) * range_tolerance, range.u) * normal();
     for (const DarkLevel& level : calibration_.dark.levels)
       truth.dark_v[level.gain] = level.records == 0 ? level.x_u * normal() : 0.0;
-    const Nonlinearity& law = calibration_.nonlinearity;
     truth.kappa_per_v =
-        (law.measured ? 10.0 : 1.0) * options_.linearity.kappa_tolerance_per_v * normal();
-    for (std::size_t w = 0; w < calibration_.stray.wavelength_nm.size(); ++w) {
-      truth.stray_even.push_back(options_.stray.tolerance_per_sr * normal());
-      truth.stray_forward.push_back(options_.stray.tolerance_per_sr * normal());
-    }
+        drawn_u(options_.linearity.kappa_tolerance_per_v, calibration_.nonlinearity.kappa_u_per_v) *
+        normal();
+    const StrayLight& stray = calibration_.stray;
+    const auto lines = static_cast<Eigen::Index>(stray.wavelength_nm.size());
+    for (Eigen::Index w = 0; w < 2 * lines; ++w)
+      (w < lines ? truth.stray_even : truth.stray_forward)
+          .push_back(drawn_u(options_.stray.tolerance_per_sr, std::sqrt(stray.covariance(w, w))) *
+                     normal());
     const DeclaredDoubts& declared = calibration_.declared;
     truth.theta_i_deg = declared.theta_i_zero_u_deg * normal();
     truth.theta_r_deg = declared.theta_r_zero_u_deg * normal();

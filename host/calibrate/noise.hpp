@@ -68,8 +68,8 @@ class NoiseModel {
   double relative2_normalised(double wavelength_nm) const;
   /// That variance without its relative term, V².
   double variance_floor(double wavelength_nm, double gain, double signal_v) const;
-  /// Degrees of freedom of that variance: the block scatter of all records of the wavelength for its
-  /// floor, the repeats for the relative part where they fixed it (Welch–Satterthwaite).
+  /// Degrees of freedom of that variance: the block scatter of all records of the wavelength for
+  /// its floor, the repeats for the relative part where they fixed it (Welch–Satterthwaite).
   double dof_normalised(double wavelength_nm, double gain, double signal_v) const;
 };
 

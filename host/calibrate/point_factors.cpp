@@ -95,12 +95,11 @@ void add_declared(Collector& collector, const formats::BrdfTable::Points& points
       return shift;
     });
   if (declared.theta_i_zero_u_deg > 0)
-    collector.add("incidence zero", [&](std::size_t i) {
-      return slopes.incidence[i] * declared.theta_i_zero_u_deg;
-    });
+    collector.add("incidence zero",
+                  [&](std::size_t i) { return slopes.incidence[i] * declared.theta_i_zero_u_deg; });
   if (declared.aperture_half_angle_deg > 0)
-    // The mean over a disc exceeds the middle by a²/8 times the Laplacian; across the plane the BRDF
-    // is taken to curve as it does in it.
+    // The mean over a disc exceeds the middle by a²/8 times the Laplacian; across the plane the
+    // BRDF is taken to curve as it does in it.
     collector.add("aperture", [&](std::size_t i) {
       const double a = declared.aperture_half_angle_deg;
       return 0.25 * a * a * slopes.curvature[i];

@@ -21,7 +21,7 @@ struct PointOrigin {
   double signal_v = 0;    ///< true signal, V of range 1
   double stray_v = 0;     ///< volts of stray light per level, V sr: C a ΔΩ monitor
   bool other_solid_angle = false;  ///< another one than the standard was measured with
-  double noise_dof = 0;   ///< degrees of freedom of the noise of this record
+  double noise_dof = 0;            ///< degrees of freedom of the noise of this record
 };
 
 /// Factors of the points of `table` (in the order of `origin`). Left out are those that nobody

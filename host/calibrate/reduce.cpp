@@ -168,14 +168,13 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
                          (scan.y_v[i] - dark.level.y_v) * std::sin(entry.phase_rad);
     const double true_part = 1.0 + calibration.ranges.at(gain).error;
     o.signal_v = calibration.nonlinearity.true_signal(volts / true_part);
-    o.stray_v = entry.gain_constant_v * stray_share(scan.analyzer_deg[i]) * solid_angle *
-                scan.monitor_v[i];
-    o.per_volt = correction / (entry.gain_constant_v * solid_angle * scan.monitor_v[i] * cosine *
-                               response);
+    o.stray_v =
+        entry.gain_constant_v * stray_share(scan.analyzer_deg[i]) * solid_angle * scan.monitor_v[i];
+    o.per_volt =
+        correction / (entry.gain_constant_v * solid_angle * scan.monitor_v[i] * cosine * response);
     o.other_solid_angle =
         std::abs(solid_angle / calibration.solid_angle_sr - 1.0) > same_solid_angle;
-    const double stray =
-        calibration.stray.level(scan.wavelength_nm[i], theta_r, scan.phi_r_deg[i]);
+    const double stray = calibration.stray.level(scan.wavelength_nm[i], theta_r, scan.phi_r_deg[i]);
     const double f = (o.signal_v - o.stray_v * stray) * o.per_volt;
     const double sd = std::sqrt(record_variance(noise, entry, gain, scan.x_v[i]));
     o.noise_dof = entry.record_scatter > 0

@@ -42,11 +42,12 @@ struct Reduction {
 };
 
 /// f = (S - C a L ΔΩ monitor) IF(θr) / (C ΔΩ monitor cosθr D), S the true signal behind (X cosφ + Y
-/// sinφ - dark)/(1 + e_g) = S/(1 + κS), for every row of the plain set-up. `used` is 0 where the record is saturated, where IF is not known, where the
-/// detector may stand in the beam (Calibration::retro_shadow_deg). Points below their noise, of
-/// either sign, are counted but used: a choice by value would bias weak signals upwards. `brdf_u`
-/// is the independent part (noise law of the scan, monitor included); all that the
-/// calibration couples stands in `factors`. Throws umov::Error where the wavelengths do not match.
+/// sinφ - dark)/(1 + e_g) = S/(1 + κS), for every row of the plain set-up. `used` is 0 where the
+/// record is saturated, where IF is not known, where the detector may stand in the beam
+/// (Calibration::retro_shadow_deg). Points below their noise, of either sign, are counted but used:
+/// a choice by value would bias weak signals upwards. `brdf_u` is the independent part (noise law
+/// of the scan, monitor included); all that the calibration couples stands in `factors`. Throws
+/// umov::Error where the wavelengths do not match.
 Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
                  const ReduceOptions& options = {});
 

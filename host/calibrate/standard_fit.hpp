@@ -31,8 +31,8 @@ struct StandardModel {
   double retention_u = 0;  ///< prior of m, one sigma; 0 = m is not fitted
   /// What is known of δ beforehand; bias_prior_u 0 = nothing.
   double bias_prior = 0, bias_prior_u = 0;
-  /// Prior of the standard's own polarisation, which looks like δ; 0 = it is not fitted. Used beside
-  /// a prior of δ, which tells the two apart.
+  /// Prior of the standard's own polarisation, which looks like δ; 0 = it is not fitted. Used
+  /// beside a prior of δ, which tells the two apart.
   double polarization_u = 0;
 
   /// Parameters beyond ln C and the instrument function.

@@ -45,6 +45,7 @@ struct DarkPrior {
 struct Material {
   std::vector<Row> rows;
   std::vector<DarkPrior> darks;
+  double range_u = 0;  ///< of the amplifier ranges that were used, the largest
 };
 
 bool taken_without_sample(const formats::ScanTable& scan, const ScanRows& set_up, std::size_t i) {
@@ -58,7 +59,7 @@ bool taken_without_sample(const formats::ScanTable& scan, const ScanRows& set_up
 }
 
 Material gather(std::span<const RangeInput> inputs, std::span<const StrayGain> gains,
-                double solid_angle_sr) {
+                double solid_angle_sr, const RangeErrors& ranges) {
   Material material;
   for (const RangeInput& input : inputs) {
     const formats::ScanTable& scan = *input.scan;
@@ -74,8 +75,11 @@ Material gather(std::span<const RangeInput> inputs, std::span<const StrayGain> g
       const auto [place, fresh] = dark_of.emplace(gain, material.darks.size());
       if (fresh) material.darks.push_back({dark.x_u, input.dark->measured(gain)});
       Row row;
-      row.signal_v = (scan.x_v[i] - dark.x_v) * std::cos(known->phase_rad) +
-                     (scan.y_v[i] - dark.y_v) * std::sin(known->phase_rad);
+      const RangeError range = ranges.at(gain);
+      material.range_u = std::max(material.range_u, range.u);
+      row.signal_v = ((scan.x_v[i] - dark.x_v) * std::cos(known->phase_rad) +
+                      (scan.y_v[i] - dark.y_v) * std::sin(known->phase_rad)) /
+                     (1.0 + range.error);
       row.variance = input.noise->variance_normalised(scan.wavelength_nm[i], gain, scan.x_v[i]);
       row.volts_per_level = known->gain_constant_v * stray_share(scan.analyzer_deg[i]) *
                             solid_angle_sr * scan.monitor_v[i];
@@ -204,12 +208,12 @@ double StrayLight::level_shift(const Eigen::VectorXd& column, double wavelength,
 }
 
 StrayLight find_stray_light(std::span<const RangeInput> inputs, std::span<const StrayGain> gains,
-                            double solid_angle_sr, const StrayOptions& options,
-                            std::vector<std::string>& notes) {
+                            double solid_angle_sr, const RangeErrors& ranges,
+                            const StrayOptions& options, std::vector<std::string>& notes) {
   StrayLight result;
   if (!(options.tolerance_per_sr > 0)) return result;
   const auto count = static_cast<Eigen::Index>(gains.size());
-  const Material material = gather(inputs, gains, solid_angle_sr);
+  const Material material = gather(inputs, gains, solid_angle_sr, ranges);
   Fit best = fit_width(material, count, result.forward_width_deg, options.tolerance_per_sr);
   for (const double width : widths_deg) {
     Fit fit = fit_width(material, count, width, options.tolerance_per_sr);
@@ -225,6 +229,8 @@ StrayLight find_stray_light(std::span<const RangeInput> inputs, std::span<const 
   // Scatter beyond the noise counts as noise, as everywhere.
   const double widening = result.dof > 0 ? std::max(1.0, result.chi2 / result.dof) : 1.0;
   result.covariance = widening * best.covariance.topLeftCorner(2 * count, 2 * count);
+  const Eigen::VectorXd scale = material.range_u * best.parameters.head(2 * count);
+  result.covariance += scale * scale.transpose();
   std::string missing;
   for (std::size_t w = 0; w < gains.size(); ++w) {
     const auto at = static_cast<Eigen::Index>(w);

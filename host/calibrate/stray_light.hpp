@@ -62,7 +62,7 @@ struct StrayOptions {
 /// its own uncertainty; where it was not measured, power steps (`nd`) tell the two apart, else
 /// `notes` say that they cannot be. `solid_angle_sr` belongs to the gain constants.
 StrayLight find_stray_light(std::span<const RangeInput> inputs, std::span<const StrayGain> gains,
-                            double solid_angle_sr, const StrayOptions& options,
-                            std::vector<std::string>& notes);
+                            double solid_angle_sr, const RangeErrors& ranges,
+                            const StrayOptions& options, std::vector<std::string>& notes);
 
 }  // namespace umov::calibrate

@@ -40,7 +40,7 @@ struct Inputs {
   std::vector<calibrate::StandardScan> standards;
   std::vector<formats::ScanTable> dark;
   std::vector<std::pair<std::string, formats::ScanTable>> mirrors;  ///< with the file's name
-  std::vector<calibrate::CalibrationInput> others;  ///< dark and mirror scans
+  std::vector<calibrate::CalibrationInput> others;                  ///< dark and mirror scans
   std::vector<std::string> notes;
 };
 
@@ -89,8 +89,7 @@ std::size_t choose_standard(const std::vector<calibrate::StandardScan>& standard
 calibrate::Calibration evaluate(const Options& options, std::vector<std::string>& inputs,
                                 CalibrationView& view) {
   calibrate::CampaignOptions campaign = calibrate::read_campaign(options.campaign);
-  if (!options.files.empty())
-    campaign.scans.assign(options.files.begin(), options.files.end());
+  if (!options.files.empty()) campaign.scans.assign(options.files.begin(), options.files.end());
   if (!options.standard.empty()) campaign.standard = options.standard;
   const auto scans = calibrate::read_campaign_scans(campaign);
   inputs.push_back(options.campaign);
@@ -138,9 +137,8 @@ void run(const Options& options, const Common& common) {
   inputs_named.push_back(options.reference_brdf);
   require_product_output(inputs_named, options.output);
   CalibrationView view;
-  const calibrate::Calibration calibration = options.campaign.empty()
-                                                 ? calibrate_plainly(options)
-                                                 : evaluate(options, inputs_named, view);
+  const calibrate::Calibration calibration =
+      options.campaign.empty() ? calibrate_plainly(options) : evaluate(options, inputs_named, view);
   formats::Provenance provenance;
   provenance.program = "umov " UMOV_VERSION;
   provenance.command = common.command_line;
@@ -161,10 +159,9 @@ void add_calibrate_command(CLI::App& root, const Common& common) {
   auto options = std::make_shared<Options>();
   auto* command =
       root.add_subcommand("calibrate", "Gain and instrument function from scans of standards");
-  command
-      ->add_option("scans", options->files,
-                   "scans (scan.h5 or .csv) of role white, dark or mirror; the first white one "
-                   "fixes the gain. With --campaign: any role, instead of the file's own list");
+  command->add_option("scans", options->files,
+                      "scans (scan.h5 or .csv) of role white, dark or mirror; the first white one "
+                      "fixes the gain. With --campaign: any role, instead of the file's own list");
   command->add_option("--campaign", options->campaign,
                       "campaign.toml: scans and what is known beforehand; evaluates linearity, "
                       "stray light, polariser axes and reciprocity too");

@@ -49,9 +49,10 @@ void print_mueller(const formats::BrdfTable::Mueller& m) {
     fmt::print("{:>7g} {:>7g} {:>7g} {:>6g} {:>10.4g}", m.wavelength_nm[n], m.theta_i_deg[n],
                m.theta_r_deg[n], m.phi_r_deg[n], value[0]);
     for (std::size_t k = 1; k < 9; ++k)
-      fmt::print(" {:>14}", std::isnan(value[k]) ? std::string("-")
-                                                 : fmt::format("{:.4f}+-{:.4f}", value[k] / value[0],
-                                                               u[k] / std::abs(value[0])));
+      fmt::print(" {:>14}", std::isnan(value[k])
+                                ? std::string("-")
+                                : fmt::format("{:.4f}+-{:.4f}", value[k] / value[0],
+                                              u[k] / std::abs(value[0])));
     fmt::print(" {:>9}\n",
                std::isnan(m.realisable_z[n]) ? "-" : fmt::format("{:.1f}", m.realisable_z[n]));
   }
@@ -99,11 +100,12 @@ void print_text(const calibrate::Reduction& reduction, const PointQuality& quali
   fmt::print("DOLP: {} values\n", s.dolp);
   const auto& mueller = s.mueller;
   if (mueller.directions > 0)
-    fmt::print("Mueller: {} directions, {} with all nine linear elements (condition up to {:.3g}), "
-               "chi2/dof {}, {} unphysical by more than three standard errors\n",
-               mueller.directions, mueller.complete, mueller.largest_condition,
-               mueller.dof > 0 ? fmt::format("{:.2f}", mueller.chi2 / mueller.dof) : "-",
-               mueller.unphysical);
+    fmt::print(
+        "Mueller: {} directions, {} with all nine linear elements (condition up to {:.3g}), "
+        "chi2/dof {}, {} unphysical by more than three standard errors\n",
+        mueller.directions, mueller.complete, mueller.largest_condition,
+        mueller.dof > 0 ? fmt::format("{:.2f}", mueller.chi2 / mueller.dof) : "-",
+        mueller.unphysical);
   const auto& dhr = reduction.table.dhr;
   if (!dhr.dhr.empty())
     fmt::print("\n{:>7} {:>12} {:>8} {:>8}\n", "nm", "theta_i [deg]", "DHR", "u");
@@ -131,29 +133,29 @@ nlohmann::json to_json(const calibrate::Reduction& reduction, const PointQuality
                    {"dhr", d.dhr[k]},
                    {"dhr_u", d.dhr_u[k]}});
   nlohmann::json out{{"file", output},
-          {"calibration", origin},
-          {"records", s.records},
-          {"points", s.points},
-          {"excluded", s.excluded},
-          {"saturated", s.saturated},
-          {"outside_instrument_function", s.outside_instrument_function},
-          {"in_shadow", s.in_shadow},
-          {"below_noise", s.below_noise},
-          {"median_relative_u", s.median_relative_u},
-          {"median_relative_total_u", s.median_relative_total_u},
-          {"dolp", s.dolp},
-          {"mueller",
-           {{"directions", s.mueller.directions},
-            {"complete", s.mueller.complete},
-            {"left_out", s.mueller.left_out},
-            {"unphysical", s.mueller.unphysical},
-            {"chi2", s.mueller.chi2},
-            {"degrees_of_freedom", s.mueller.dof},
-            {"largest_condition", s.mueller.largest_condition},
-            {"undetermined", s.mueller.undetermined}}},
-          {"dhr", dhr},
-          {"factors", factors},
-          {"notes", s.notes}};
+                     {"calibration", origin},
+                     {"records", s.records},
+                     {"points", s.points},
+                     {"excluded", s.excluded},
+                     {"saturated", s.saturated},
+                     {"outside_instrument_function", s.outside_instrument_function},
+                     {"in_shadow", s.in_shadow},
+                     {"below_noise", s.below_noise},
+                     {"median_relative_u", s.median_relative_u},
+                     {"median_relative_total_u", s.median_relative_total_u},
+                     {"dolp", s.dolp},
+                     {"mueller",
+                      {{"directions", s.mueller.directions},
+                       {"complete", s.mueller.complete},
+                       {"left_out", s.mueller.left_out},
+                       {"unphysical", s.mueller.unphysical},
+                       {"chi2", s.mueller.chi2},
+                       {"degrees_of_freedom", s.mueller.dof},
+                       {"largest_condition", s.mueller.largest_condition},
+                       {"undetermined", s.mueller.undetermined}}},
+                     {"dhr", dhr},
+                     {"factors", factors},
+                     {"notes", s.notes}};
   add_quality(quality, reduction, out);
   return out;
 }
@@ -211,15 +213,14 @@ void run(const Options& options, const Common& common) {
   std::string origin = options.campaign;
   std::optional<EvaluatedCampaign> campaign;
   if (!options.campaign.empty()) campaign = evaluate(options.campaign);
-  const auto calibration = campaign ? campaign->result.calibration
-                                    : find_calibration(options, file.table, origin);
+  const auto calibration =
+      campaign ? campaign->result.calibration : find_calibration(options, file.table, origin);
   calibrate::Reduction reduction = calibrate::reduce(file.table, calibration, options.reduce);
   PointQuality quality;
   quality.reciprocity = calibrate::check_reciprocity(reduction.table);
   if (!options.budget.empty() || options.draws > 0)
     quality.budget = calibrate::budget_of(reduction, calibration);
-  if (options.draws > 0)
-    check_by_draws(options, common, file.table, *campaign, reduction, quality);
+  if (options.draws > 0) check_by_draws(options, common, file.table, *campaign, reduction, quality);
   if (!options.budget.empty())
     calibrate::write_budget(options.budget, reduction, quality.budget,
                             quality.draws ? quality.draws->u_per_sr : std::vector<double>{});
@@ -250,8 +251,9 @@ void add_reduce_command(CLI::App& root, const Common& common) {
   command->add_option("--calibration", options->calibration,
                       "cal.h5; without it the white scan named by the key `reference`, else the "
                       "keys gain_constant_<nm> and solid_angle_sr");
-  command->add_option("--campaign", options->campaign,
-                      "campaign.toml: its calibration is evaluated now instead of read from cal.h5")
+  command
+      ->add_option("--campaign", options->campaign,
+                   "campaign.toml: its calibration is evaluated now instead of read from cal.h5")
       ->excludes("--calibration");
   command->add_option("-o,--output", options->output, "file to write (brdf.h5)")->required();
   command->add_option("--budget", options->budget,

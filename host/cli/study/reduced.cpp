@@ -126,10 +126,22 @@ HemisphereError hemisphere_error(const formats::FitResult& fit, const emulator::
   for (std::size_t i = 0; i < exact.size(); ++i)
     exact[i] = truth.brdf(theta_i_deg, theta_r_deg[i], phi_r_deg[i], wavelength_nm, open, open);
   const double peak = *std::max_element(exact.begin(), exact.end());
-  HemisphereError error;
-  for (std::size_t i = 0; i < exact.size(); ++i)
-    if (exact[i] > share * peak) error.all.push_back(std::abs(model[i] / exact[i] - 1));
-  error = together({error});
+  std::vector<double> sizes;
+  std::size_t worst = 0;
+  double largest = -1;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    if (!(exact[i] > share * peak)) continue;
+    sizes.push_back(std::abs(model[i] / exact[i] - 1));
+    if (sizes.back() > largest) {
+      largest = sizes.back();
+      worst = i;
+    }
+  }
+  HemisphereError part;
+  part.all = std::move(sizes);
+  HemisphereError error = together({part});
+  error.max_theta_r_deg = theta_r_deg[worst];
+  error.max_phi_r_deg = phi_r_deg[worst];
   error.wavelength_nm = wavelength_nm;
   error.theta_i_deg = theta_i_deg;
   return error;

@@ -36,7 +36,8 @@ struct HemisphereError {
   double wavelength_nm = 0, theta_i_deg = 0;
   std::size_t directions = 0;  ///< where the truth is above 1 % of its peak
   double median = 0, p90 = 0, max = 0;
-  std::vector<double> all;  ///< sizes of the relative errors
+  double max_theta_r_deg = 0, max_phi_r_deg = 0;  ///< where the largest is; of one part only
+  std::vector<double> all;                        ///< sizes of the relative errors
 };
 
 /// θr 0 to 88 deg by 1, φ 0 to 180 deg by 3, and .25 deg by 1 deg about the mirror direction, so

@@ -223,7 +223,8 @@ void add_truth_comparison(Page& page, CalibratedBench& at, const formats::FitRes
       const auto& e = parts.back();
       rows.push_back({fmt::format("{:g}", nm), fmt::format("{:g}°", theta_i_deg),
                       fmt::format("{}", e.directions), percent(e.median), percent(e.p90),
-                      percent(e.max)});
+                      percent(e.max),
+                      fmt::format("{:g}°, {:g}°", e.max_theta_r_deg, e.max_phi_r_deg)});
       page.numbers()["full_brdf"].push_back({{"wavelength_nm", nm},
                                              {"theta_i_deg", theta_i_deg},
                                              {"directions", e.directions},
@@ -231,7 +232,7 @@ void add_truth_comparison(Page& page, CalibratedBench& at, const formats::FitRes
                                              {"p90", e.p90},
                                              {"max", e.max}});
     }
-  page.table({"nm", "θi", "directions", "median error", "90th percentile", "largest"},
+  page.table({"nm", "θi", "directions", "median error", "90th percentile", "largest", "at θr, φ"},
              std::move(rows));
   const auto all = together(parts);
   page.paragraph(fmt::format(

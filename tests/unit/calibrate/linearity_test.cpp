@@ -150,6 +150,14 @@ TEST(Linearity, DriftBetweenBlocksIsNotTakenForNonlinearity) {
   EXPECT_LT(std::abs(found.nonlinearity.kappa_per_v), 1.5e-3);
 }
 
+TEST(Linearity, AToleranceThatTheScansContradictIsNamed) {
+  LinearityOptions options;
+  options.kappa_tolerance_per_v = 1e-3;
+  const Linearity found = linearity_of(power_steps(bench(0.08), 2, 0.001), options);
+  ASSERT_FALSE(found.notes.empty());
+  EXPECT_NE(found.notes[0].find("tolerance.nonlinearity_per_v"), std::string::npos);
+}
+
 TEST(Linearity, TrueSignalUndoesTheDetectorsLaw) {
   Nonlinearity law;
   law.kappa_per_v = 0.03;

@@ -52,7 +52,7 @@ StrayLight find(const formats::ScanTable& scan, std::vector<std::string>& notes,
   const RangeInput view = input.view();
   StrayOptions options;
   options.tolerance_per_sr = tolerance;
-  return find_stray_light(std::span(&view, 1), gains, 1e-4, options, notes);
+  return find_stray_light(std::span(&view, 1), gains, 1e-4, RangeErrors{}, options, notes);
 }
 
 TEST(StrayLight, LevelAndForwardPartAreFoundWithHonestPulls) {

@@ -164,7 +164,9 @@ inline void append(formats::ScanTable& scan, const formats::ScanTable& more,
                    std::vector<std::pair<std::string, std::string>> settings = {}) {
   const auto first = static_cast<std::int64_t>(scan.size());
   const double start = scan.time_s.empty() ? 0.0 : scan.time_s.back();
-  const auto join = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  const auto join = [](auto& to, const auto& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
   for (std::size_t i = 0; i < more.size(); ++i) {
     scan.index.push_back(first + static_cast<std::int64_t>(i));
     scan.time_s.push_back(start + more.time_s[i]);

@@ -334,6 +334,21 @@ TEST(Plan, PlansOfTooManyRowsAreRefusedBeforeTheyAreMade) {
       HasSubstr("no rows"));
 }
 
+TEST(Plan, EveryPlanOfTheExampleCampaignCanBeRun) {
+  std::map<std::string, int> roles;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::string(UMOV_SOURCE_DIR) + "/examples/campaign")) {
+    if (entry.path().extension() != ".toml" || entry.path().filename() == "campaign.toml") continue;
+    const Plan plan = load_plan(entry.path());
+    EXPECT_EQ(expand(plan).rows.size(), row_count(plan)) << entry.path();
+    EXPECT_EQ(plan.grid.wavelengths_nm, (std::vector<double>{532, 633, 814})) << entry.path();
+    ++roles[plan.role];
+  }
+  EXPECT_EQ(roles["white"], 3);
+  EXPECT_EQ(roles["mirror"], 1);
+  EXPECT_GE(roles["sample"], 2);
+}
+
 TEST(Plan, EveryExampleCanBeRun) {
   std::map<std::string, std::size_t> rows_of;
   for (const auto& entry :

@@ -76,6 +76,8 @@ TEST(HemisphereError, OfAWrongDiffusePartIsThatPartsShare) {
   const auto error = hemisphere_error(true_fit(truth, 1.05), truth, 633, 30);
   EXPECT_GT(error.max, 0.03);
   EXPECT_LT(error.max, 0.05 + 1e-6) << "all of the light cannot err more than its part";
+  EXPECT_GT(std::hypot(error.max_theta_r_deg - 30, error.max_phi_r_deg), 10)
+      << "away from the lobe";
   EXPECT_LE(error.median, error.p90);
   EXPECT_LE(error.p90, error.max);
   const auto both = together({error, hemisphere_error(true_fit(truth, 1), truth, 633, 30)});
