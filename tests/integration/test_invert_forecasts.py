@@ -46,7 +46,10 @@ class InvertForecasts(UmovCase):
         self.assertEqual(set(names), {"nef", "li-torrance", "microfacet+lambertian", "interpolation"})
         densities = [row["log_predictive_density"] for row in table["models"]]
         self.assertEqual(densities, sorted(densities, reverse=True))
+        # Its forward lobe is not in this paint: fitted to the noise of the mirror points, it misses the few
+        # withheld ones near them by several of their .005 %.
         self.assertLess(table["models"][0]["chi2_per_point"], 6)
+        self.assertLess(table["models"][0]["median_abs_relative"], 2e-4)
         self.assertEqual(json.loads((self.folder / "win.json").read_text())["model"], "li-torrance")
         self.refused("invert", "brdf.h5", "--compare", ",", "-o", "win.json", says=("names no model",))
 
