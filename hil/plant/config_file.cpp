@@ -1,6 +1,4 @@
 // PlantConfig from TOML: tables become dotted names.
-#include <toml++/toml.h>
-
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -8,6 +6,7 @@
 #include "hil/plant/parameter_list.hpp"
 #include "hil/plant/parameter_setting.hpp"
 #include "host/errors/error.hpp"
+#include "host/toml/parse.hpp"
 
 namespace umov::plant {
 namespace {
@@ -33,13 +32,7 @@ void apply_table(PlantConfig& config, const toml::table& table, const std::strin
 }  // namespace
 
 PlantConfig config_from_toml(std::string_view text, const std::string& origin) {
-  toml::table table;
-  try {
-    table = toml::parse(text, std::string_view(origin));
-  } catch (const toml::parse_error& error) {
-    throw Error({origin, error.source().begin.line}, std::string(error.description()),
-                "correct the TOML");
-  }
+  const toml::table table = parse_toml(text, origin, "correct the TOML");
   PlantConfig config = ideal_config();
   if (const toml::node* preset = table.get("preset")) {
     const Place place{origin, preset->source().begin.line, {}};

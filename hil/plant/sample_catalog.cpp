@@ -1,7 +1,5 @@
 #include "hil/plant/sample_catalog.hpp"
 
-#include <toml++/toml.h>
-
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -15,6 +13,7 @@
 #include "hil/plant/paint_sample.hpp"
 #include "hil/plant/table_sample.hpp"
 #include "host/errors/error.hpp"
+#include "host/toml/parse.hpp"
 
 namespace umov::plant {
 namespace {
@@ -27,13 +26,8 @@ Place place_of(const toml::node& node, const std::string& origin) {
 /// refused.
 class SampleFile {
  public:
-  SampleFile(std::string_view text, std::string origin) : origin_(std::move(origin)) {
-    try {
-      table_ = toml::parse(text, std::string_view(origin_));
-    } catch (const toml::parse_error& error) {
-      throw Error({origin_, error.source().begin.line}, std::string(error.description()),
-                  "correct the TOML");
-    }
+  SampleFile(std::string_view text, std::string origin)
+      : origin_(std::move(origin)), table_(parse_toml(text, origin_, "correct the TOML")) {
     if (const toml::node* node = find("wavelengths_nm"))
       wavelengths_nm_ = list(*node, "wavelengths_nm");
     for (std::size_t i = 1; i < wavelengths_nm_.size(); ++i) {

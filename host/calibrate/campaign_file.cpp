@@ -1,6 +1,4 @@
 // campaign.toml and the scans that it names.
-#include <toml++/toml.h>
-
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -14,7 +12,7 @@
 #include "host/formats/atomic_file.hpp"
 #include "host/formats/scan_h5.hpp"
 #include "host/formats/sha256.hpp"
-#include "host/formats/toml_text.hpp"
+#include "host/toml/parse.hpp"
 
 namespace umov::calibrate {
 
@@ -220,15 +218,8 @@ std::vector<fs::path> files_of(const fs::path& pattern) {
 
 CampaignOptions read_campaign(const fs::path& path) {
   const std::string text = formats::read_whole_file(path);
-  formats::refuse_unparsable(text, path.string());
-  try {
-    return options_of(toml::parse(text, path.string()), path);
-  } catch (const toml::parse_error& error) {
-    throw Error(Place{path.string(), error.source().begin.line,
-                      std::to_string(error.source().begin.column)},
-                "not valid TOML: " + std::string(error.description()),
-                "compare with examples/campaign/campaign.toml");
-  }
+  return options_of(parse_toml(text, path.string(), "compare with examples/campaign/campaign.toml"),
+                    path);
 }
 
 std::vector<CampaignScan> read_campaign_scans(const CampaignOptions& options) {

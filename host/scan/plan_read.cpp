@@ -6,10 +6,10 @@
 #include "host/errors/error.hpp"
 #include "host/formats/atomic_file.hpp"
 #include "host/formats/decimal.hpp"
-#include "host/formats/toml_text.hpp"
 #include "host/scan/plan.hpp"
 #include "host/scan/plan_menu.hpp"
 #include "host/scan/plan_toml.hpp"
+#include "host/toml/parse.hpp"
 
 namespace umov::scan {
 namespace {
@@ -273,15 +273,8 @@ Plan parse_plan(std::string_view text, const std::string& name) {
   Plan plan;
   plan.name = name;
   plan.text = text;
-  formats::refuse_unparsable(text, name);
-  try {
-    const toml::table root = toml::parse(text, name);
-    return read_plan(root, std::move(plan));
-  } catch (const toml::parse_error& error) {
-    throw Error(Place{name, error.source().begin.line, std::to_string(error.source().begin.column)},
-                "not valid TOML: " + std::string(error.description()),
-                "see the plans in examples/plans");
-  }
+  const toml::table root = parse_toml(text, name, "see the plans in examples/plans");
+  return read_plan(root, std::move(plan));
 }
 
 Plan load_plan(const std::filesystem::path& path) {

@@ -23,12 +23,13 @@ const std::map<std::string, std::set<std::string>> allowed = {
     {"firmware", {"protocol"}},
     {"boards/native", {"protocol", "firmware"}},
     {"host/errors", {}},
+    {"host/toml", {"host/errors"}},
     {"host/optics", {"host/errors"}},
     {"host/brdf", {"host/errors", "host/optics"}},
     {"host/formats", {"host/errors", "host/optics", "host/brdf"}},
     {"host/instrument", {"host/errors", "protocol"}},
-    {"host/scan", {"host/errors", "host/optics", "host/formats", "host/instrument", "protocol"}},
-    {"host/calibrate", {"host/errors", "host/optics", "host/brdf", "host/formats"}},
+    {"host/scan", {"host/errors", "host/toml", "host/optics", "host/formats", "host/instrument", "protocol"}},
+    {"host/calibrate", {"host/errors", "host/toml", "host/optics", "host/brdf", "host/formats"}},
     {"host/invert", {"host/errors", "host/optics", "host/brdf", "host/formats"}},
     // The engine of the diagnosis knows no forward model; its adapters do.
     {"host/gap/engine", {"host/errors"}},
@@ -37,9 +38,9 @@ const std::map<std::string, std::set<std::string>> allowed = {
      {"host/errors", "host/optics", "host/brdf", "host/formats", "host/calibrate", "host/invert", "host/gap/engine"}},
     {"host/report",
      {"host/errors", "host/optics", "host/brdf", "host/formats", "host/calibrate", "host/invert"}},
-    // The plant's world: of the host plain optics (and the error type) only, so that a diagnosis is never tested on its
+    // The plant's world: of the host plain optics (and errors and TOML) only, so that a diagnosis is never tested on its
     // own model run forwards.
-    {"hil/plant", {"host/optics", "host/errors"}},
+    {"hil/plant", {"host/optics", "host/errors", "host/toml"}},
     {"host/cli/emulator", {"host/errors", "host/optics", "host/instrument", "boards/native", "firmware", "hil/plant", "protocol"}},
     {"host/cli/study",
      {"host/errors", "host/optics", "host/brdf", "host/formats", "host/instrument", "host/scan", "host/calibrate",

@@ -1,15 +1,21 @@
-#include "host/formats/toml_text.hpp"
+#include "host/toml/text_check.hpp"
 
 #include <cstddef>
 
 #include "host/errors/error.hpp"
 
-namespace umov::formats {
+namespace umov {
 namespace {
 
 bool starts_key(char c) {
   return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' ||
          c == '-' || c == '"' || c == '\'';
+}
+
+/// Whether a quotation mark may open a text right behind `c`, or `c` come right behind a closed
+/// one.
+bool may_border_string(char c) {
+  return std::string_view(" \t\r\n=,.[]{}").find(c) != std::string_view::npos;
 }
 
 /// Walks over statements, knowing just enough of strings, comments and brackets to tell where the
@@ -69,7 +75,11 @@ class Walker {
     while (at_ < text_.size()) {
       const char c = text_[at_];
       if (c == '"' || c == '\'') {
+        if (at_ > 0 && !may_border_string(text_[at_ - 1]))
+          fail(at_, "a quotation mark in the middle of a word");
         skip_string(c);
+        if (at_ < text_.size() && !may_border_string(text_[at_]) && text_[at_] != '#')
+          fail(at_, "something between the end of a text and the next blank or sign");
         continue;
       }
       if (static_cast<unsigned char>(c) >= 0x80)
@@ -88,23 +98,47 @@ class Walker {
     }
   }
 
+  /// To the first character behind the string that starts here.
   void skip_string(char quote) {
+    const std::size_t start = at_;
     const std::string fence(3, quote);
     const bool many_lines = text_.substr(at_).starts_with(fence);
     at_ += many_lines ? 3 : 1;
     while (at_ < text_.size()) {
-      if (quote == '"' && text_[at_] == '\\') {
-        at_ += 2;
+      const char c = text_[at_];
+      if (quote == '"' && c == '\\') {
+        skip_escape();
       } else if (many_lines && text_.substr(at_).starts_with(fence)) {
         at_ += 3;
+        // One or two quotation marks at the very end belong to the text.
+        for (int extra = 0; extra < 2 && at_ < text_.size() && text_[at_] == quote; ++extra) ++at_;
         return;
-      } else if (!many_lines && (text_[at_] == quote || text_[at_] == '\n')) {
-        if (text_[at_] == quote) ++at_;
+      } else if (!many_lines && c == quote) {
+        ++at_;
         return;
+      } else if (!many_lines && c == '\n') {
+        break;
       } else {
         ++at_;
       }
     }
+    fail(start, "a text without its closing quotation mark");
+  }
+
+  /// Behind the escape that starts here; behind all blanks where it continues the line.
+  void skip_escape() {
+    const auto blank = [&] {
+      return at_ < text_.size() &&
+             (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\r' || text_[at_] == '\n');
+    };
+    ++at_;
+    if (!blank()) {
+      if (at_ < text_.size()) ++at_;
+      return;
+    }
+    while (blank()) ++at_;
+    if (at_ < text_.size() && static_cast<unsigned char>(text_[at_]) >= 0x80)
+      fail(at_, "a letter outside ASCII first on a continued line");
   }
 
   std::string_view text_;
@@ -119,4 +153,4 @@ void refuse_unparsable(std::string_view text, const std::string& file) {
   Walker(text, file).run();
 }
 
-}  // namespace umov::formats
+}  // namespace umov
