@@ -27,11 +27,13 @@ void add_scan_command(CLI::App& root, const Common& common);
 void add_calibrate_command(CLI::App& root, const Common& common);
 void add_reduce_command(CLI::App& root, const Common& common);
 void add_invert_command(CLI::App& root, const Common& common);
+void add_diagnose_command(CLI::App& root, const Common& common);
 void add_model_command(CLI::App& root, const Common& common);
 void add_report_command(CLI::App& root, const Common& common);
 void add_import_command(CLI::App& root, const Common& common);
 void add_export_command(CLI::App& root, const Common& common);
 void add_device_command(CLI::App& root, const Common& common);
 void add_study_command(CLI::App& root, const Common& common);
+void add_blind_command(CLI::App& root, const Common& common);
 
 }  // namespace umov::cli

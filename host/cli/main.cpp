@@ -54,12 +54,14 @@ int main(int argc, char** argv) {
   add_calibrate_command(app, common);
   add_reduce_command(app, common);
   add_invert_command(app, common);
+  add_diagnose_command(app, common);
   add_model_command(app, common);
   add_report_command(app, common);
   add_import_command(app, common);
   add_export_command(app, common);
   add_device_command(app, common);
   add_study_command(app, common);
+  add_blind_command(app, common);
 
   try {
     app.parse(argc, argv);

@@ -1,0 +1,92 @@
+#include "host/gap/answer/diagnosis_json.hpp"
+
+#include <charconv>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+namespace umov::gap {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json interval(const Interval& i) {
+  return {{"value", i.value}, {"lo", i.lo}, {"hi", i.hi}};
+}
+
+Json named_values(const std::vector<NamedValue>& values) {
+  Json out = Json::object();
+  for (const NamedValue& v : values) {
+    Json entry = interval(v.interval);
+    entry["unit"] = v.unit;
+    out[v.name] = std::move(entry);
+  }
+  return out;
+}
+
+Json cells(const Where& where) {
+  Json out = Json::array();
+  for (const Cell& c : where.cells) {
+    Json entry = {{"axis", c.axis}, {"from", c.from},         {"to", c.to},
+                  {"z", c.z},       {"p_global", c.p_global}, {"records", c.members.size()}};
+    entry["also"] = Json::object();
+    for (const auto& [key, value] : c.also) {
+      double number = 0;
+      const auto [end, code] = std::from_chars(value.data(), value.data() + value.size(), number);
+      if (code == std::errc{} && end == value.data() + value.size()) {
+        entry["also"][key] = number;
+      } else {
+        entry["also"][key] = value;
+      }
+    }
+    out.push_back(std::move(entry));
+  }
+  return out;
+}
+
+Json size(const GapSize& gap) {
+  return {{"g2", gap.g2}, {"percent", gap.percent}};
+}
+
+}  // namespace
+
+std::string diagnosis_to_json(const Diagnosis& d, const AnswerSource& source) {
+  Json out;
+  out["verdict"] = to_string(d.verdict);
+  out["gap"] = {{"before", size(d.before)},
+                {"after", size(d.after)},
+                {"floor", {{"g2", d.floor.g2}}},
+                {"closed_fraction", interval(d.closed_fraction)}};
+  out["where"] = cells(d.where);
+  out["causes"] = Json::array();
+  for (const Cause& c : d.causes) {
+    Json cause = {{"effect", c.effect}};
+    if (!c.family.empty()) cause["family"] = c.family;
+    cause["probability"] = c.probability;
+    cause["share"] = c.share;
+    cause["parameters"] = named_values(c.parameters);
+    out["causes"].push_back(std::move(cause));
+  }
+  out["ambiguity_sets"] = d.ambiguity_sets;
+  out["unexplained"] = {{"g2", d.unexplained_g2},
+                        {"p_global", d.unexplained.p_global},
+                        {"where", cells(d.unexplained)}};
+  out["next_scan"] = Json::array();
+  for (const FurtherScan& s : d.next_scan) {
+    out["next_scan"].push_back({{"menu", s.menu},
+                                {"separates", s.separates},
+                                {"expected_separation", s.expected_separation},
+                                {"minutes", s.minutes}});
+  }
+  Json probabilities = Json::object();
+  for (const auto& [name, p] : d.probabilities) probabilities[name] = p;
+  out["probabilities"] = std::move(probabilities);
+  out["base"] = {{"model", source.model}, {"parameters", named_values(d.base)}};
+  out["data"] = {{"records", source.records}, {"used", source.used}, {"sha256", source.sha256}};
+  if (!source.notes.empty()) out["data"]["notes"] = source.notes;
+  out["program"] = {
+      {"version", source.version}, {"seed", source.seed}, {"command", source.command}};
+  return out.dump(1) + "\n";
+}
+
+}  // namespace umov::gap

@@ -1,0 +1,76 @@
+// The answer: where a simulation misses a measurement, which effects cause it, how far the gap
+// closes, what cannot be told.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host/gap/engine/forward_model.hpp"
+#include "host/gap/engine/search.hpp"
+#include "host/gap/engine/where.hpp"
+
+namespace umov::gap {
+
+/// A value with its 95 % interval.
+struct Interval {
+  double value = 0, lo = 0, hi = 0;
+};
+
+struct NamedValue {
+  std::string name, unit;
+  Interval interval;
+};
+
+struct Cause {
+  std::string effect, family;
+  double probability = 0;
+  double share = 0;  ///< of the gap closed, Shapley on withheld rows
+  std::vector<NamedValue> parameters;
+};
+
+struct GapSize {
+  double g2 = 0;       ///< mean squared whitened residual of withheld rows, less one
+  double percent = 0;  ///< the even relative deviation of the signal that would show as much
+};
+
+enum class Verdict { none_needed, explained, explained_in_part, unexplained };
+const char* to_string(Verdict verdict);
+
+/// A further measurement that would tell rivals apart.
+struct FurtherScan {
+  std::string menu;                                 ///< its identifier
+  std::vector<std::vector<std::string>> separates;  ///< pairs of effects or sums of effects
+  double expected_separation = 0;  ///< least whitened distance of these pairs once it is taken
+  double minutes = 0;
+};
+
+struct Diagnosis {
+  Verdict verdict = Verdict::none_needed;
+  GapSize before, after, floor;
+  Interval closed_fraction;
+  Where where;                ///< of the base model's residual
+  Where unexplained;          ///< of what the causes leave
+  double unexplained_g2 = 0;  ///< beyond the floor
+  std::vector<Cause> causes;  ///< largest share first
+  /// Effects that this measurement cannot tell apart; each set holds a cause and its rivals.
+  std::vector<std::vector<std::string>> ambiguity_sets;
+  /// Probability of every effect in the catalogue, by name; families of one name are summed.
+  std::vector<std::pair<std::string, double>> probabilities;
+  std::vector<NamedValue> base;
+  std::vector<FurtherScan> next_scan;  ///< best per minute first; what an adapter found
+  SearchResult search;
+};
+
+struct DiagnoseOptions {
+  SearchOptions search;
+  int draws = 400;       ///< of noise alone, for significances
+  double named = 0.5;    ///< least probability of a cause
+  double ambiguous = 6;  ///< rivals within this of twice the log evidence
+  double significance = 0.01;
+};
+
+Diagnosis diagnose(const ForwardModel& model, const DiagnoseOptions& options = {});
+
+}  // namespace umov::gap

@@ -1,0 +1,98 @@
+// What the diagnosis needs of a simulation: its parameters, the effects it could have but leaves
+// out, its prediction with any of them switched on, and the measurement it is compared with.
+//
+// The engine in this folder knows nothing else. A goniometer scan, a telescope's pointing run, a
+// luminance map are adapters: classes that implement ForwardModel.
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "host/gap/engine/noise.hpp"
+
+namespace umov::gap {
+
+/// One number of the base model or of an effect.
+struct Parameter {
+  std::string name, unit, meaning;
+  double absent = 0;  ///< an effect does nothing here; of a base parameter the value to start from
+  double lo = -std::numeric_limits<double>::infinity();
+  double hi = std::numeric_limits<double>::infinity();
+  /// One sigma of what is known beforehand about `absent`: for an effect its size on benches of the
+  /// kind, for a base parameter a certificate. Infinite: nothing (base parameters only).
+  double prior_u = std::numeric_limits<double>::infinity();
+  /// Does nothing by itself: a phase, a width of what another parameter scales.
+  bool shape = false;
+  /// One of a few values that the probes name (a wavelength): never fitted.
+  bool choice = false;
+};
+
+/// A vector of parameter values of one effect, small enough that the effect is near linear there.
+using Probe = std::vector<double>;
+
+/// A cause that the base model leaves out.
+struct Effect {
+  std::string name;     ///< canonical, as in files and on command lines
+  std::string stage;    ///< where it sits: geometry, polarisation, detector …
+  std::string physics;  ///< a sentence or two
+  std::string source;
+  std::vector<Parameter> parameters;  ///< the principal one first
+  /// Members of one family share `name`; this tells them apart ("ggx"). Empty for most.
+  std::string family = {};
+  double prior_odds = 1;  ///< against another effect, before any data
+  /// Part of the model's own structure rather than a small error: tried before all others where the
+  /// base misses by far.
+  bool structural = false;
+  /// The effect's possible signatures. Probes of one group act together (sine and cosine of an
+  /// unknown phase); groups are alternatives (values of a parameter that shapes the signature).
+  std::vector<std::vector<Probe>> probes = {};
+};
+
+/// The base model with some effects switched on.
+struct Explanation {
+  std::vector<std::size_t> effects;  ///< numbers in ForwardModel::effects(), ascending
+  std::vector<double> base;
+  std::vector<std::vector<double>> alpha;  ///< parameter values, one vector an effect
+};
+
+/// A coordinate along which a gap may lie, such as an angle or the time.
+struct Axis {
+  std::string name, unit;
+  std::vector<double> value;  ///< one an observation
+};
+
+struct Observations {
+  Eigen::VectorXd value;
+  /// Observations with the same number are neighbours that share errors (a row of a scan): they are
+  /// withheld together.
+  std::vector<int> row;
+  std::vector<Axis> axes;
+  std::vector<int> channel;           ///< such as the polarisation channel
+  std::vector<std::string> channels;  ///< their names
+};
+
+/// Immutable while a diagnosis runs.
+class ForwardModel {
+ public:
+  virtual ~ForwardModel() = default;
+  virtual const Observations& observations() const = 0;
+  virtual const std::vector<Parameter>& base() const = 0;
+  virtual const std::vector<Effect>& effects() const = 0;
+  /// Base parameters to start fits from, besides the declared ones: a base may have several minima.
+  virtual std::vector<std::vector<double>> further_starts() const { return {}; }
+  /// What the measurement should read. `jacobian`, where asked for: one row an observation, columns
+  /// base parameters, then those of each effect in order.
+  virtual void predict(const Explanation& explanation, Eigen::VectorXd& mean,
+                       Eigen::MatrixXd* jacobian) const = 0;
+  /// Noise of the observations whose expectation is `mean`.
+  virtual NoiseShape noise(const Eigen::VectorXd& mean) const = 0;
+  /// False: the white part of noise() is right up to a common factor, which the engine estimates
+  /// from what the whole catalogue together leaves.
+  virtual bool noise_is_known() const { return true; }
+};
+
+}  // namespace umov::gap

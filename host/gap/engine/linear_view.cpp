@@ -1,0 +1,379 @@
+#include "host/gap/engine/linear_view.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+
+namespace umov::gap {
+namespace {
+
+/// Share of a signature's squared length that must survive the projection: below it, rounding and
+/// the linearisation itself are larger than the signature.
+constexpr double smallest_survival = 1e-9;
+
+/// ln of the standard normal distribution function.
+double ln_normal_cdf(double x) {
+  if (x > -30) return std::log(0.5 * std::erfc(-x / std::numbers::sqrt2));
+  return -0.5 * x * x - std::log(-x) - 0.5 * std::log(2 * std::numbers::pi);
+}
+
+/// Of how many prior sigmas of the effect is this probe?
+double prior_units(const Effect& effect, const Probe& probe) {
+  double units = 0;
+  for (std::size_t i = 0; i < probe.size(); ++i) {
+    const Parameter& p = effect.parameters[i];
+    if (!p.shape && !p.choice) units = std::max(units, std::abs(probe[i] - p.absent) / p.prior_u);
+  }
+  return units;
+}
+
+/// True where the effect exists on one side of `absent` only, and the probe is one of its kind.
+bool one_sided(const Effect& effect, const std::vector<Probe>& group) {
+  if (group.size() != 1) return false;
+  for (std::size_t i = 0; i < group[0].size(); ++i) {
+    const Parameter& p = effect.parameters[i];
+    if (p.shape || p.choice || group[0][i] == p.absent) continue;
+    if (p.lo >= p.absent || p.hi <= p.absent) return true;
+  }
+  return false;
+}
+
+double ln_det(const Eigen::LDLT<Eigen::MatrixXd>& factor) {
+  return factor.vectorD().cwiseAbs().array().max(1e-300).log().sum();
+}
+
+}  // namespace
+
+LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whitening& whitening,
+                       const std::vector<int>& fold, bool with_candidates)
+    : model_(model) {
+  const Eigen::Index observations = at.residual.size();
+  fitted_ = static_cast<Eigen::Index>(at.free.size());
+
+  std::vector<Eigen::VectorXd> signatures;
+  Eigen::VectorXd shifted;
+  const std::size_t effects = with_candidates ? model.effects().size() : 0;
+  for (std::size_t e = 0; e < effects; ++e) {
+    const Effect& effect = model.effects()[e];
+    if (std::find(at.explanation.effects.begin(), at.explanation.effects.end(), e) !=
+        at.explanation.effects.end())
+      continue;
+    for (std::size_t g = 0; g < effect.probes.size(); ++g) {
+      Candidate candidate{e, g, {}, 0};
+      for (const Probe& probe : effect.probes[g]) {
+        model.predict(with_effect(at.explanation, e, probe), shifted, nullptr);
+        signatures.emplace_back(shifted - at.mean);
+        const double units = prior_units(effect, probe);
+        members_.push_back({e, probe, one_sided(effect, effect.probes[g]), units * units});
+        candidate.columns.push_back(static_cast<Eigen::Index>(members_.size()) - 1);
+      }
+      candidates_.push_back(std::move(candidate));
+    }
+  }
+
+  const Eigen::Index probes = static_cast<Eigen::Index>(signatures.size());
+  Eigen::MatrixXd columns(observations, fitted_ + probes);
+  columns.leftCols(fitted_) = at.jacobian(Eigen::all, at.free);
+  for (Eigen::Index i = 0; i < probes; ++i)
+    columns.col(fitted_ + i) = whitening.apply(signatures[static_cast<std::size_t>(i)]);
+  const Eigen::VectorXd& residual = at.residual;
+
+  const int count = fold.empty() ? 0 : *std::max_element(fold.begin(), fold.end()) + 1;
+  std::vector<std::vector<Eigen::Index>> rows(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < fold.size(); ++i)
+    rows[static_cast<std::size_t>(fold[i])].push_back(static_cast<Eigen::Index>(i));
+  all_.matrix = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
+  all_.right = Eigen::VectorXd::Zero(columns.cols());
+  for (const auto& list : rows) {
+    folds_.push_back(normal_of(columns, residual, list));
+    all_.matrix += folds_.back().matrix;
+    all_.right += folds_.back().right;
+    all_.square += folds_.back().square;
+  }
+
+  // The priors of fitted parameters: precision less what the data say (both in at.precision).
+  base_prior_ = at.prior_precision(at.free);
+  all_.matrix.diagonal().head(fitted_) += base_prior_;
+  // A minimum of the whole: what the data pull is what the priors hold.
+  all_.right.head(fitted_).setZero();
+
+  // What the fitted parameters leave of the signatures, by orthogonal projection (normal equations
+  // would lose half of the digits). Priors are further observations, of the parameters themselves.
+  Eigen::MatrixXd basis(observations + fitted_, fitted_);
+  basis.topRows(observations) = columns.leftCols(fitted_);
+  basis.bottomRows(fitted_) = Eigen::MatrixXd(base_prior_.cwiseSqrt().asDiagonal());
+  for (Eigen::Index i = 0; i < fitted_; ++i) basis.col(i).normalize();
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(basis);
+  const Eigen::MatrixXd q =
+      factor.householderQ() * Eigen::MatrixXd::Identity(basis.rows(), factor.rank());
+  Eigen::MatrixXd left = Eigen::MatrixXd::Zero(basis.rows(), probes);
+  left.topRows(observations) = columns.rightCols(probes);
+  left -= q * (q.transpose() * left);
+  left -= q * (q.transpose() * left);
+  reduced_ = Eigen::MatrixXd::Zero(probes, probes);
+  reduced_.selfadjointView<Eigen::Lower>().rankUpdate(left.transpose());
+  reduced_ = Eigen::MatrixXd(reduced_.selfadjointView<Eigen::Lower>());
+  reduced_right_ = left.topRows(observations).transpose() * residual;
+  for (Eigen::Index i = 0; i < probes; ++i) {
+    const double full = all_.matrix(fitted_ + i, fitted_ + i);
+    if (reduced_(i, i) < smallest_survival * full || !(full > 0)) {
+      // Absorbed: it can neither be seen nor help.
+      reduced_.row(i).setZero();
+      reduced_.col(i).setZero();
+      reduced_right_[i] = 0;
+    }
+  }
+  for (Candidate& candidate : candidates_) {
+    for (const Eigen::Index c : candidate.columns) {
+      const Member& m = members_[static_cast<std::size_t>(c)];
+      candidate.reach = std::max(candidate.reach, std::sqrt(std::max(0.0, reduced_(c, c)) /
+                                                            std::max(m.prior_precision, 1e-300)));
+    }
+  }
+
+  left_by_everything_ = residual;
+  rank_of_everything_ = static_cast<double>(factor.rank());
+  if (probes == 0) return;
+  for (Eigen::Index i = 0; i < probes; ++i) {
+    const double size = left.col(i).norm();
+    if (reduced_(i, i) > 0) {
+      left.col(i) /= size;
+    } else {
+      left.col(i).setZero();
+    }
+  }
+  // Signatures of alternatives repeat each other.
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> catalogue(left.topRows(observations));
+  catalogue.setThreshold(1e-4);
+  const Eigen::MatrixXd span =
+      catalogue.householderQ() * Eigen::MatrixXd::Identity(observations, catalogue.rank());
+  left_by_everything_ -= span * (span.transpose() * residual);
+  rank_of_everything_ += static_cast<double>(catalogue.rank());
+}
+
+LinearView::Normal LinearView::normal_of(const Eigen::MatrixXd& columns,
+                                         const Eigen::VectorXd& residual,
+                                         const std::vector<Eigen::Index>& rows) const {
+  const Eigen::MatrixXd part = columns(rows, Eigen::all);
+  const Eigen::VectorXd r = residual(rows);
+  Normal normal;
+  normal.matrix = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
+  normal.matrix.selfadjointView<Eigen::Lower>().rankUpdate(part.transpose());
+  normal.matrix = Eigen::MatrixXd(normal.matrix.selfadjointView<Eigen::Lower>());
+  normal.right = part.transpose() * r;
+  normal.square = r.squaredNorm();
+  normal.observations = r.size();
+  return normal;
+}
+
+std::vector<Eigen::Index> LinearView::columns_of(std::span<const std::size_t> set) const {
+  std::vector<Eigen::Index> columns;
+  for (const std::size_t s : set)
+    columns.insert(columns.end(), candidates_[s].columns.begin(), candidates_[s].columns.end());
+  return columns;
+}
+
+LinearFit LinearView::fit(std::span<const std::size_t> set) const {
+  const std::vector<Eigen::Index> columns = columns_of(set);
+  const auto n = static_cast<Eigen::Index>(columns.size());
+  LinearFit result;
+  result.coefficient = Eigen::VectorXd::Zero(n);
+  if (n == 0) return result;
+
+  Eigen::VectorXd prior(n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    prior[i] =
+        members_[static_cast<std::size_t>(columns[static_cast<std::size_t>(i)])].prior_precision;
+
+  // Columns whose sign would be unphysical leave, one at a time, the worst first.
+  std::vector<Eigen::Index> active(static_cast<std::size_t>(n));
+  for (Eigen::Index i = 0; i < n; ++i) active[static_cast<std::size_t>(i)] = i;
+  const auto wrong_sign = [&](Eigen::Index i, double c) {
+    return members_[static_cast<std::size_t>(columns[static_cast<std::size_t>(i)])].one_sided &&
+           c < 0;
+  };
+  // In units of the prior: coefficients there are of order one whatever the probe.
+  const Eigen::VectorXd unit = prior.cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  while (!active.empty()) {
+    std::vector<Eigen::Index> chosen;
+    for (const Eigen::Index a : active) chosen.push_back(columns[static_cast<std::size_t>(a)]);
+    const Eigen::VectorXd u = unit(active);
+    Eigen::MatrixXd matrix = u.asDiagonal() * reduced_(chosen, chosen) * u.asDiagonal();
+    const Eigen::VectorXd right = u.cwiseProduct(reduced_right_(chosen));
+    Eigen::MatrixXd with_prior = matrix;
+    with_prior.diagonal().array() += 1.0;
+    const Eigen::LDLT<Eigen::MatrixXd> factor(with_prior);
+    const Eigen::VectorXd c = factor.solve(right);
+
+    Eigen::Index worst = -1;
+    for (std::size_t k = 0; k < active.size(); ++k) {
+      const auto i = static_cast<Eigen::Index>(k);
+      if (wrong_sign(active[k], c[i]) && (worst < 0 || c[i] < c[worst])) worst = i;
+    }
+    if (worst >= 0) {
+      // The half of its prior that is left lies at zero: no more evidence than without it.
+      active.erase(active.begin() + worst);
+      result.ln_evidence -= std::numbers::ln2;
+      continue;
+    }
+    result.ln_evidence += 0.5 * right.dot(c) - 0.5 * ln_det(factor);
+    const Eigen::MatrixXd covariance = factor.solve(Eigen::MatrixXd::Identity(c.size(), c.size()));
+    for (std::size_t k = 0; k < active.size(); ++k) {
+      const auto i = static_cast<Eigen::Index>(k);
+      const Eigen::Index column = columns[static_cast<std::size_t>(active[k])];
+      if (members_[static_cast<std::size_t>(column)].one_sided)
+        result.ln_evidence += std::numbers::ln2 + ln_normal_cdf(c[i] / std::sqrt(covariance(i, i)));
+      result.coefficient[active[k]] = c[i] * u[i];
+    }
+    matrix.diagonal().array() += 1e-9 * (matrix.diagonal().maxCoeff() + 1e-300);
+    result.gain = right.dot(matrix.ldlt().solve(right));
+    break;
+  }
+  return result;
+}
+
+std::vector<double> LinearView::alpha(std::size_t candidate,
+                                      const Eigen::VectorXd& coefficient) const {
+  const Candidate& c = candidates_[candidate];
+  const Effect& effect = model_.effects()[c.effect];
+  // The shape parameters of the member that counts most, the rest in proportion.
+  std::size_t most = 0;
+  for (std::size_t i = 1; i < c.columns.size(); ++i)
+    if (std::abs(coefficient[static_cast<Eigen::Index>(i)]) >
+        std::abs(coefficient[static_cast<Eigen::Index>(most)]))
+      most = i;
+  std::vector<double> alpha = members_[static_cast<std::size_t>(c.columns[most])].probe;
+  for (std::size_t p = 0; p < alpha.size(); ++p) {
+    const Parameter& parameter = effect.parameters[p];
+    if (parameter.shape || parameter.choice) continue;
+    double value = parameter.absent;
+    for (std::size_t i = 0; i < c.columns.size(); ++i) {
+      const auto& probe = members_[static_cast<std::size_t>(c.columns[i])].probe;
+      value += coefficient[static_cast<Eigen::Index>(i)] * (probe[p] - parameter.absent);
+    }
+    alpha[p] = std::clamp(value, parameter.lo, parameter.hi);
+  }
+  return alpha;
+}
+
+std::vector<double> LinearView::held_out(const std::vector<Eigen::Index>& columns,
+                                         const Eigen::VectorXd& prior,
+                                         const std::vector<Normal>& folds,
+                                         const Normal& all) const {
+  std::vector<double> chi2;
+  for (const Normal& fold : folds) {
+    Eigen::MatrixXd matrix = all.matrix(columns, columns) - fold.matrix(columns, columns);
+    matrix.diagonal() += prior;
+    const Eigen::VectorXd right = all.right(columns) - fold.right(columns);
+    const Eigen::VectorXd scale = matrix.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    Eigen::MatrixXd scaled = scale.asDiagonal() * matrix * scale.asDiagonal();
+    scaled.diagonal().array() += 1e-10;
+    const Eigen::VectorXd step = scale.cwiseProduct(scaled.ldlt().solve(scale.cwiseProduct(right)));
+    const Eigen::VectorXd moved = fold.matrix(columns, columns) * step;
+    chi2.push_back(fold.square - 2 * step.dot(fold.right(columns)) + step.dot(moved));
+  }
+  return chi2;
+}
+
+double LinearView::held_out_chi2(std::span<const std::size_t> set) const {
+  std::vector<Eigen::Index> columns(static_cast<std::size_t>(fitted_));
+  for (Eigen::Index i = 0; i < fitted_; ++i) columns[static_cast<std::size_t>(i)] = i;
+  const std::vector<Eigen::Index> added = columns_of(set);
+  for (const Eigen::Index c : added) columns.push_back(fitted_ + c);
+  Eigen::VectorXd prior = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t i = 0; i < added.size(); ++i)
+    prior[fitted_ + static_cast<Eigen::Index>(i)] =
+        members_[static_cast<std::size_t>(added[i])].prior_precision;
+  double sum = 0;
+  for (const double chi2 : held_out(columns, prior, folds_, all_)) sum += chi2;
+  return sum;
+}
+
+std::vector<double> LinearView::held_out_by_fold() const {
+  std::vector<Eigen::Index> columns(static_cast<std::size_t>(fitted_));
+  for (Eigen::Index i = 0; i < fitted_; ++i) columns[static_cast<std::size_t>(i)] = i;
+  return held_out(columns, Eigen::VectorXd::Zero(fitted_), folds_, all_);
+}
+
+double LinearView::held_out_floor(int draws, std::uint64_t seed) const {
+  std::vector<Eigen::Index> columns(static_cast<std::size_t>(fitted_));
+  for (Eigen::Index i = 0; i < fitted_; ++i) columns[static_cast<std::size_t>(i)] = i;
+  // A fold's normal equations for noise alone: right sides with covariance Jᵀ J, and the rest of
+  // the squares from the directions that no parameter reaches.
+  std::vector<Eigen::MatrixXd> root;
+  for (const Normal& fold : folds_) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(fold.matrix(columns, columns));
+    root.emplace_back(eigen.eigenvectors() *
+                      eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal());
+  }
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  std::vector<double> sums;
+  for (int d = 0; d < draws; ++d) {
+    std::vector<Normal> folds;
+    Normal all;
+    all.matrix = all_.matrix(columns, columns);
+    all.right = Eigen::VectorXd::Zero(fitted_);
+    for (std::size_t f = 0; f < folds_.size(); ++f) {
+      Eigen::VectorXd unit(fitted_);
+      for (double& x : unit) x = normal(random);
+      Normal fold;
+      fold.matrix = folds_[f].matrix(columns, columns);
+      fold.right = root[f] * unit;
+      const double left = std::max(1.0, static_cast<double>(folds_[f].observations - fitted_));
+      fold.square = unit.squaredNorm() + left + std::sqrt(2 * left) * normal(random);
+      all.right += fold.right;
+      folds.push_back(std::move(fold));
+    }
+    double sum = 0;
+    for (const double chi2 : held_out(columns, Eigen::VectorXd::Zero(fitted_), folds, all))
+      sum += chi2;
+    sums.push_back(sum);
+  }
+  std::nth_element(sums.begin(), sums.begin() + static_cast<std::ptrdiff_t>(sums.size() / 2),
+                   sums.end());
+  return sums[sums.size() / 2];
+}
+
+std::vector<double> LinearView::null_maxima(int draws, std::uint64_t seed) const {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(reduced_);
+  const Eigen::MatrixXd root =
+      eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  std::vector<Eigen::MatrixXd> inverse;
+  for (const Candidate& c : candidates_) {
+    Eigen::MatrixXd part = reduced_(c.columns, c.columns);
+    const double largest = part.diagonal().maxCoeff();
+    if (!(largest > 0)) {
+      // Absorbed by what is fitted: it gains nothing.
+      inverse.emplace_back(Eigen::MatrixXd::Zero(part.rows(), part.cols()));
+      continue;
+    }
+    part.diagonal().array() += 1e-9 * largest;
+    inverse.emplace_back(part.inverse());
+  }
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  std::vector<double> maxima;
+  Eigen::VectorXd draw(reduced_.rows());
+  for (int d = 0; d < draws; ++d) {
+    for (double& x : draw) x = normal(random);
+    const Eigen::VectorXd right = root * draw;
+    double most = 0;
+    for (std::size_t k = 0; k < candidates_.size(); ++k) {
+      const Candidate& c = candidates_[k];
+      const Eigen::VectorXd part = right(c.columns);
+      if (members_[static_cast<std::size_t>(c.columns[0])].one_sided && part[0] < 0) continue;
+      most = std::max(most, part.dot(inverse[k] * part));
+    }
+    maxima.push_back(most);
+  }
+  std::sort(maxima.begin(), maxima.end());
+  return maxima;
+}
+
+}  // namespace umov::gap

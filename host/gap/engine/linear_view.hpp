@@ -1,0 +1,94 @@
+// The neighbourhood of a fitted explanation as linear algebra: the signature of every effect that
+// is not in it, freed of what the fitted parameters would absorb. All that a search, a bootstrap or
+// a held-out test needs then costs a few small matrices, whatever the number of observations.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "host/gap/engine/forward_model.hpp"
+#include "host/gap/engine/refit.hpp"
+
+namespace umov::gap {
+
+/// One way an effect can show: a group of its probes.
+struct Candidate {
+  std::size_t effect = 0;
+  std::size_t group = 0;
+  std::vector<Eigen::Index> columns;  ///< of the view's matrices
+  /// Whitened length of the signature that the fitted parameters do not absorb, for one prior
+  /// sigma of the effect: what a bench of this kind could show at most.
+  double reach = 0;
+};
+
+/// What a set of candidates does to the residual, to first order.
+struct LinearFit {
+  double gain = 0;              ///< decrease of χ² at the best coefficients
+  double ln_evidence = 0;       ///< against the explanation itself, priors integrated out
+  Eigen::VectorXd coefficient;  ///< posterior mean, in units of the probes
+};
+
+class LinearView {
+ public:
+  /// `at` must be a minimum. `with_candidates` false: only what is fitted, for held_out_chi2().
+  LinearView(const ForwardModel& model, const Refit& at, const Whitening& whitening,
+             const std::vector<int>& fold, bool with_candidates = true);
+
+  const std::vector<Candidate>& candidates() const { return candidates_; }
+  /// Best coefficients within the signs that are physical.
+  LinearFit fit(std::span<const std::size_t> set) const;
+  /// Parameter values of a candidate with these coefficients: where a full refit starts.
+  std::vector<double> alpha(std::size_t candidate, const Eigen::VectorXd& coefficient) const;
+  /// Sum over the folds of the withheld rows' χ² when the base and `set` are fitted to the others.
+  double held_out_chi2(std::span<const std::size_t> set) const;
+  /// The same of the fitted explanation alone, fold by fold.
+  std::vector<double> held_out_by_fold() const;
+  /// Median of its sum when the fitted explanation is true: what no model can go below.
+  double held_out_floor(int draws, std::uint64_t seed) const;
+  /// Largest gain of any single candidate in `draws` measurements that hold nothing but noise;
+  /// ascending.
+  std::vector<double> null_maxima(int draws, std::uint64_t seed) const;
+  /// Whitened residual that all candidates together leave, and how many degrees of freedom they and
+  /// the fitted parameters take: noise, as far as the catalogue knows.
+  const Eigen::VectorXd& left_by_everything() const { return left_by_everything_; }
+  double rank_of_everything() const { return rank_of_everything_; }
+
+ private:
+  struct Normal {
+    Eigen::MatrixXd matrix;
+    Eigen::VectorXd right;
+    double square = 0;
+    Eigen::Index observations = 0;
+  };
+  struct Member {
+    std::size_t effect;
+    std::vector<double> probe;
+    bool one_sided;
+    double prior_precision;  ///< of its coefficient
+  };
+
+  Normal normal_of(const Eigen::MatrixXd& columns, const Eigen::VectorXd& residual,
+                   const std::vector<Eigen::Index>& rows) const;
+  std::vector<Eigen::Index> columns_of(std::span<const std::size_t> set) const;
+  std::vector<double> held_out(const std::vector<Eigen::Index>& columns,
+                               const Eigen::VectorXd& prior, const std::vector<Normal>& folds,
+                               const Normal& all) const;
+
+  const ForwardModel& model_;
+  std::vector<Candidate> candidates_;
+  std::vector<Member> members_;
+  std::vector<Normal> folds_;
+  Normal all_;                  ///< with the priors of the fitted parameters
+  Eigen::VectorXd base_prior_;  ///< precision of the fitted parameters' priors
+  Eigen::MatrixXd reduced_;     ///< signatures' Gram matrix, fitted parameters projected out
+  Eigen::VectorXd reduced_right_;
+  Eigen::Index fitted_ = 0;
+  Eigen::VectorXd left_by_everything_;
+  double rank_of_everything_ = 0;
+};
+
+}  // namespace umov::gap

@@ -1,0 +1,43 @@
+// Fitting base parameters and effects together, within their bounds and priors.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "host/gap/engine/forward_model.hpp"
+
+namespace umov::gap {
+
+/// An explanation at its best values.
+struct Refit {
+  Explanation explanation;
+  Eigen::VectorXd residual;         ///< value - mean, whitened
+  Eigen::MatrixXd jacobian;         ///< d mean / d parameter, whitened
+  Eigen::VectorXd mean;             ///< predicted values
+  Eigen::MatrixXd precision;        ///< of all parameters: Jᵀ J and priors
+  Eigen::VectorXd prior_precision;  ///< of each parameter
+  /// Parameters that can move: not choices, not held at a bound that they would cross.
+  std::vector<Eigen::Index> free;
+  double chi2 = 0;     ///< of the data
+  double penalty = 0;  ///< of the priors
+  int iterations = 0;
+};
+
+/// The base model as it stands before any fit.
+Explanation base_explanation(const ForwardModel& model);
+
+/// Weighted least squares from `start`, with a noise that does not follow the fit (it would reward
+/// a model for predicting noise). Parameters keep inside their bounds. Throws umov::Error where the
+/// model gives values that are not numbers.
+Refit refit(const ForwardModel& model, const Explanation& start, const Whitening& whitening,
+            int max_iterations = 40);
+
+/// The same explanation with one effect more, in its place of the order.
+Explanation with_effect(const Explanation& explanation, std::size_t effect,
+                        const std::vector<double>& alpha);
+/// The same explanation with one effect less.
+Explanation without_effect(const Explanation& explanation, std::size_t effect);
+
+}  // namespace umov::gap

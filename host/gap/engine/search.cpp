@@ -1,0 +1,352 @@
+#include "host/gap/engine/search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include <Eigen/Cholesky>
+
+#include "host/gap/engine/folds.hpp"
+
+namespace umov::gap {
+namespace {
+
+using Set = std::vector<std::size_t>;  // candidates of a view, ascending
+
+struct Scored {
+  Set set;
+  double score;
+};
+
+bool by_score(const Scored& a, const Scored& b) {
+  if (a.score != b.score) return a.score > b.score;
+  return a.set < b.set;
+}
+
+/// Sets of candidates by evidence, grown, exchanged and shrunk from the empty one.
+class Beam {
+ public:
+  Beam(const LinearView& view, const SearchOptions& options, double ln_odds,
+       std::size_t effects_already)
+      : view_(view), options_(options), ln_odds_(ln_odds) {
+    for (std::size_t c = 0; c < view.candidates().size(); ++c) {
+      const std::size_t effect = view.candidates()[c].effect;
+      if (std::find(options.without.begin(), options.without.end(), effect) ==
+          options.without.end())
+        usable_.push_back(c);
+    }
+    largest_ = options.max_effects > effects_already ? options.max_effects - effects_already : 0;
+  }
+
+  std::vector<Scored> run() {
+    std::vector<Scored> front{{Set{}, score(Set{})}};
+    for (std::size_t size = 1; size <= largest_; ++size) {
+      std::set<Set> next;
+      for (const Scored& s : front) grow(s.set, next);
+      front = best_of(next);
+      // Exchanges repair what was chosen before its partners were known.
+      for (int pass = 0; pass < 2; ++pass) {
+        std::set<Set> exchanged;
+        for (std::size_t k = 0; k < std::min<std::size_t>(front.size(), 6); ++k) {
+          exchanged.insert(front[k].set);
+          for (std::size_t out = 0; out < front[k].set.size(); ++out) {
+            Set smaller = front[k].set;
+            smaller.erase(smaller.begin() + static_cast<std::ptrdiff_t>(out));
+            score(smaller);
+            grow(smaller, exchanged);
+          }
+        }
+        for (const Scored& s : front) exchanged.insert(s.set);
+        front = best_of(exchanged);
+      }
+    }
+    std::vector<Scored> all;
+    for (const auto& [set, value] : known_) all.push_back({set, value});
+    std::sort(all.begin(), all.end(), by_score);
+    return all;
+  }
+
+ private:
+  double score(const Set& set) {
+    const auto found = known_.find(set);
+    if (found != known_.end()) return found->second;
+    const double value = view_.fit(set).ln_evidence + ln_odds_ * static_cast<double>(set.size());
+    known_.emplace(set, value);
+    return value;
+  }
+
+  void grow(const Set& set, std::set<Set>& into) const {
+    for (const std::size_t c : usable_) {
+      const bool there = std::any_of(set.begin(), set.end(), [&](std::size_t s) {
+        return view_.candidates()[s].effect == view_.candidates()[c].effect;
+      });
+      if (there) continue;
+      Set larger = set;
+      larger.insert(std::lower_bound(larger.begin(), larger.end(), c), c);
+      into.insert(std::move(larger));
+    }
+  }
+
+  std::vector<Scored> best_of(const std::set<Set>& sets) {
+    std::vector<Scored> scored;
+    scored.reserve(sets.size());
+    for (const Set& s : sets) scored.push_back({s, score(s)});
+    std::sort(scored.begin(), scored.end(), by_score);
+    if (scored.size() > options_.beam) scored.resize(options_.beam);
+    return scored;
+  }
+
+  const LinearView& view_;
+  const SearchOptions& options_;
+  double ln_odds_;
+  std::vector<std::size_t> usable_;
+  std::size_t largest_ = 0;
+  std::map<Set, double> known_;
+};
+
+double held_out(const ForwardModel& model, const Refit& fit, const Whitening& whitening,
+                const std::vector<int>& fold) {
+  return LinearView(model, fit, whitening, fold, false).held_out_chi2({});
+}
+
+/// The base at the best of its starts.
+Refit base_fit(const ForwardModel& model) {
+  Eigen::VectorXd mean;
+  const auto fit_from = [&](Explanation start) {
+    // Weights from the prediction: once from the start's, once from its fit.
+    model.predict(start, mean, nullptr);
+    const Refit first = refit(model, start, Whitening(model.noise(mean)));
+    return refit(model, first.explanation, Whitening(model.noise(first.mean)));
+  };
+  Refit best = fit_from(base_explanation(model));
+  const Whitening whitening(model.noise(best.mean));
+  const auto cost = [&](const Refit& fit) {
+    return whitening.apply(model.observations().value - fit.mean).squaredNorm() + fit.penalty;
+  };
+  double least = cost(best);
+  for (const std::vector<double>& start : model.further_starts()) {
+    Explanation explanation = base_explanation(model);
+    explanation.base = start;
+    Refit fit = fit_from(std::move(explanation));
+    const double value = cost(fit);
+    if (value < least - 1e-3) {
+      least = value;
+      best = std::move(fit);
+    }
+  }
+  return best;
+}
+
+/// Takes structural effects in, one at a time, for as long as the best of them takes away much of a
+/// misfit that dwarfs the noise: among small effects a search could not see the wood for the trees.
+Refit with_structure(const ForwardModel& model, Refit centre, const SearchOptions& options) {
+  constexpr double dwarfed = 1.5;     // χ² over the number of observations
+  constexpr double worthwhile = 0.8;  // χ² with over without
+  for (std::size_t round = 0; round < options.max_effects; ++round) {
+    const Whitening whitening(model.noise(centre.mean));
+    centre = refit(model, centre.explanation, whitening);
+    if (centre.chi2 < dwarfed * static_cast<double>(centre.residual.size())) break;
+    Refit best = centre;
+    for (std::size_t e = 0; e < model.effects().size(); ++e) {
+      const Effect& effect = model.effects()[e];
+      const auto& there = centre.explanation.effects;
+      if (!effect.structural || std::find(there.begin(), there.end(), e) != there.end() ||
+          std::find(options.without.begin(), options.without.end(), e) != options.without.end())
+        continue;
+      for (const auto& group : effect.probes) {
+        // Where probes act together, the refit finds the others from the first.
+        const Refit fit =
+            refit(model, with_effect(centre.explanation, e, group.front()), whitening, 60);
+        if (fit.chi2 + fit.penalty < best.chi2 + best.penalty) best = fit;
+      }
+    }
+    if (best.chi2 > worthwhile * centre.chi2) break;
+    centre = std::move(best);
+  }
+  return centre;
+}
+
+}  // namespace
+
+double log_evidence(const ForwardModel& model, const Refit& fit) {
+  double value = -0.5 * (fit.chi2 + fit.penalty);
+  const auto fitted = static_cast<Eigen::Index>(fit.explanation.base.size());
+  // Base parameters are the same in every hypothesis: their prior volume cancels.
+  Eigen::VectorXd unit(fit.precision.rows());
+  for (Eigen::Index i = 0; i < fitted; ++i)
+    unit[i] = 1.0 / std::sqrt(std::max(fit.precision(i, i), 1e-300));
+  Eigen::Index next = fitted;
+  for (std::size_t k = 0; k < fit.explanation.effects.size(); ++k) {
+    const auto& declared = model.effects()[fit.explanation.effects[k]].parameters;
+    for (std::size_t i = 0; i < declared.size(); ++i, ++next) {
+      unit[next] = declared[i].choice ? 1.0 : declared[i].prior_u;
+      const bool half = !declared[i].shape && (declared[i].lo >= declared[i].absent ||
+                                               declared[i].hi <= declared[i].absent);
+      if (!half) continue;
+      const double sigmas = std::abs(fit.explanation.alpha[k][i] - declared[i].absent) *
+                            std::sqrt(fit.precision(next, next));
+      value += std::numbers::ln2 + std::log(0.5 * std::erfc(-sigmas / std::numbers::sqrt2));
+    }
+  }
+  Eigen::MatrixXd scaled = unit.asDiagonal() * fit.precision * unit.asDiagonal();
+  scaled.diagonal().array() += 1e-12;
+  for (Eigen::Index i = 0; i < scaled.rows(); ++i)
+    if (!(fit.precision(i, i) > 0)) scaled(i, i) = 1;  // not fitted: a choice
+  const Eigen::LDLT<Eigen::MatrixXd> factor(scaled);
+  // For the base alone: the determinant in the units of its own diagonal, taken out below.
+  value -= 0.5 * factor.vectorD().cwiseAbs().array().max(1e-300).log().sum();
+  for (Eigen::Index i = 0; i < fitted; ++i) value += std::log(unit[i]);
+  return value;
+}
+
+double log_prior_odds(const ForwardModel& model, const SearchOptions& options) {
+  const double expected =
+      options.prior_probability > 0
+          ? options.prior_probability
+          : 1.0 / static_cast<double>(std::max<std::size_t>(2, model.effects().size()));
+  return std::log(expected / (1 - expected));
+}
+
+SearchResult search(const ForwardModel& model, const SearchOptions& options) {
+  SearchResult result;
+  const auto tell = [&](double done, const char* what) {
+    if (options.progress) options.progress(done, what);
+  };
+  tell(0, "base model");
+  result.fold = fold_of_observations(model.observations().row, options.folds, options.seed);
+
+  Refit base = base_fit(model);
+  tell(0.05, "structure of the model");
+  Refit centre = with_structure(model, base, options);
+  Whitening whitening(model.noise(centre.mean));
+  {
+    // Noise that is not known beforehand is what the whole catalogue together cannot explain.
+    const LinearView view(model, centre, whitening, result.fold);
+    const NoiseShape& shape = whitening.shape();
+    const Eigen::VectorXd left = view.left_by_everything();
+    const double rank = view.rank_of_everything();
+    if (!model.noise_is_known())
+      result.noise_scale =
+          std::sqrt(left.squaredNorm() / (static_cast<double>(left.size()) - rank));
+    result.relative_noise = learn_relative_noise(shape, left.cwiseProduct(whitening.white_sigma()),
+                                                 rank, result.noise_scale);
+    whitening = Whitening(shape, result.relative_noise, result.noise_scale);
+    result.whitening = std::make_shared<Whitening>(whitening);
+    base = refit(model, base.explanation, whitening);
+    centre = refit(model, centre.explanation, whitening);
+  }
+
+  const double ln_odds = log_prior_odds(model, options);
+  // Sets of effects, each refitted once, by their numbers.
+  std::map<std::vector<std::size_t>, Hypothesis> known;
+  const auto assess = [&](Refit fit) {
+    Hypothesis h;
+    h.ln_evidence =
+        log_evidence(model, fit) + ln_odds * static_cast<double>(fit.explanation.effects.size());
+    h.refit = std::move(fit);
+    return h;
+  };
+  known[{}] = assess(base);
+  if (!centre.explanation.effects.empty()) known[centre.explanation.effects] = assess(centre);
+
+  // The view is good near the explanation it was taken at. Large effects move it: look again from
+  // the best one found, until that does not change.
+  std::vector<std::size_t> from = centre.explanation.effects;
+  std::set<std::vector<std::size_t>> seen;
+  for (int round = 0; round < 4 && seen.insert(from).second; ++round) {
+    tell(0.1 + 0.2 * round, "sets of effects");
+    const Hypothesis at = known.at(from);
+    const LinearView view(model, at.refit, whitening, result.fold);
+    if (round == 0) {
+      const std::vector<double> maxima = view.null_maxima(2000, options.seed);
+      result.null_95 = maxima[maxima.size() * 95 / 100];
+      result.null_99 = maxima[maxima.size() * 99 / 100];
+    }
+    Beam beam(view, options, ln_odds, from.size());
+    struct Task {
+      std::vector<std::size_t> effects;
+      Explanation start;
+    };
+    std::vector<Task> tasks;
+    const auto add_task = [&](Explanation explanation) {
+      const std::vector<std::size_t> effects = explanation.effects;
+      if (known.contains(effects)) return;
+      for (const Task& t : tasks)
+        if (t.effects == effects) return;
+      tasks.push_back({effects, std::move(explanation)});
+    };
+    for (const Scored& scored : beam.run()) {
+      if (tasks.size() >= options.refits) break;
+      Explanation explanation = at.refit.explanation;
+      const LinearFit fit = view.fit(scored.set);
+      Eigen::Index first = 0;
+      for (const std::size_t c : scored.set) {
+        const auto n = static_cast<Eigen::Index>(view.candidates()[c].columns.size());
+        explanation = with_effect(explanation, view.candidates()[c].effect,
+                                  view.alpha(c, fit.coefficient.segment(first, n)));
+        first += n;
+      }
+      add_task(std::move(explanation));
+    }
+    // Backward: each effect of the centre on trial, and exchanged for each other effect.
+    for (const std::size_t e : from) {
+      add_task(without_effect(at.refit.explanation, e));
+    }
+    for (const Task& task : tasks)
+      known.emplace(task.effects, assess(refit(model, task.start, whitening)));
+
+    double best = -1e300;
+    for (const auto& [effects, h] : known) {
+      if (h.ln_evidence > best) {
+        best = h.ln_evidence;
+        from = effects;
+      }
+    }
+  }
+
+  // An effect that a refit put to rest at its absence is no hypothesis of its own.
+  std::erase_if(known, [&](const auto& entry) {
+    for (const std::size_t e : entry.first) {
+      const auto smaller = known.find([&] {
+        std::vector<std::size_t> rest = entry.first;
+        std::erase(rest, e);
+        return rest;
+      }());
+      if (smaller != known.end() && smaller->second.refit.chi2 + smaller->second.refit.penalty -
+                                            entry.second.refit.chi2 - entry.second.refit.penalty <
+                                        0.5)
+        return true;
+    }
+    return false;
+  });
+
+  double best = -1e300;
+  for (const auto& [effects, h] : known) best = std::max(best, h.ln_evidence);
+  double sum = 0;
+  for (auto& [effects, h] : known) {
+    h.probability = std::exp(h.ln_evidence - best);
+    sum += h.probability;
+  }
+  result.inclusion.assign(model.effects().size(), 0.0);
+  for (auto& [effects, h] : known) {
+    h.probability /= sum;
+    for (const std::size_t e : effects) result.inclusion[e] += h.probability;
+    result.hypotheses.push_back(std::move(h));
+  }
+  std::stable_sort(
+      result.hypotheses.begin(), result.hypotheses.end(),
+      [](const Hypothesis& a, const Hypothesis& b) { return a.ln_evidence > b.ln_evidence; });
+  tell(0.9, "withheld rows");
+  for (std::size_t i = 0; i < result.hypotheses.size(); ++i) {
+    Hypothesis& h = result.hypotheses[i];
+    if (h.refit.explanation.effects.empty()) result.base = i;
+    if (h.probability > 1e-3 || h.refit.explanation.effects.empty())
+      h.held_out_chi2 = held_out(model, h.refit, whitening, result.fold);
+  }
+  tell(1, "done");
+  return result;
+}
+
+}  // namespace umov::gap

@@ -1,0 +1,60 @@
+// Which set of effects explains a measurement: a beam search over sets on the linear view, followed
+// by full refits of the best.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "host/gap/engine/forward_model.hpp"
+#include "host/gap/engine/linear_view.hpp"
+#include "host/gap/engine/refit.hpp"
+
+namespace umov::gap {
+
+struct SearchOptions {
+  std::size_t max_effects = 5;
+  std::size_t beam = 24;    ///< sets kept at each size
+  std::size_t refits = 16;  ///< best sets that are refitted in full
+  double prior_probability =
+      0;  ///< of one effect before any data; 0: one effect is expected in all
+  int folds = 10;
+  std::uint64_t seed = 1;
+  /// Effects that must not be used (numbers).
+  std::vector<std::size_t> without;
+  std::function<void(double, const char*)> progress;
+};
+
+/// A set of effects at its best values.
+struct Hypothesis {
+  Refit refit;
+  double ln_evidence = 0;    ///< Laplace, priors of effects and of their number included
+  double held_out_chi2 = 0;  ///< of withheld rows
+  double probability = 0;    ///< among the hypotheses kept
+};
+
+struct SearchResult {
+  /// The base model alone is always among them. Most probable first.
+  std::vector<Hypothesis> hypotheses;
+  double noise_scale = 1;        ///< common factor of the white noise; 1 where it is known
+  RelativeNoise relative_noise;  ///< as learned
+  std::shared_ptr<const Whitening> whitening;  ///< of all hypotheses
+  std::vector<int> fold;
+  /// Δχ² that the best single effect would reach by chance (95 %, 99 %), for noise alone.
+  double null_95 = 0, null_99 = 0;
+  /// Probability of every effect, by number.
+  std::vector<double> inclusion;
+  std::size_t base = 0;  ///< place of the base model in `hypotheses`
+};
+
+/// ln of the odds of one effect before any data.
+double log_prior_odds(const ForwardModel& model, const SearchOptions& options);
+/// ln of the evidence of an explanation by Laplace's method, without the prior of its effects'
+/// presence.
+double log_evidence(const ForwardModel& model, const Refit& fit);
+
+SearchResult search(const ForwardModel& model, const SearchOptions& options);
+
+}  // namespace umov::gap

@@ -1,0 +1,220 @@
+// The whole signal chain of a record, from laser to lock-in, with any of the catalogue's effects:
+//   X + iY = electronics(detector(C · a·M·s · cos θr · ΔΩ · monitor · …))
+// Template over the scalar: doubles for signatures, dual numbers for derivatives.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <span>
+
+#include "host/gap/scan/effects/detection.hpp"
+#include "host/gap/scan/effects/footprint.hpp"
+#include "host/gap/scan/effects/geometry.hpp"
+#include "host/gap/scan/effects/polarizers.hpp"
+#include "host/gap/scan/effects/sample.hpp"
+#include "host/optics/frames.hpp"
+
+namespace umov::gap::scan {
+
+/// Everything the chain needs of the base model, per wavelength.
+template <class T>
+struct ChainBase {
+  std::span<const Material<T>> materials;
+  std::span<const T> log_gain;  ///< ln of C over its nominal value
+  std::span<const double> gain_constant_v;
+  double solid_angle_sr;
+};
+
+/// A bent pair of directions in the sample's frame, with the rotations from the beams' own bases.
+template <class T>
+struct LocalGeometry {
+  brdf::Geometry<T> geometry;
+  optics::DoubleAngle<T> entry, exit;
+};
+
+/// The sample's frame leans by `tilt` towards +y. `in` and `out` carry the bases of polariser and
+/// analyser.
+template <class T>
+LocalGeometry<T> seen_from_sample(const optics::Beam<T>& in, const optics::Beam<T>& out,
+                                  const T& tilt) {
+  using std::atan2;
+  using std::cos;
+  using std::sin;
+  using std::sqrt;
+  using Vec = optics::Vec3<T>;
+  const Vec normal(T(0.0), sin(tilt), cos(tilt));
+  // The plane of incidence: across the normal, along the beam.
+  const T along = optics::dot(in.k, normal);
+  Vec x = in.k - normal * along;
+  const T length2 = optics::dot(x, x);
+  if (optics::value_of(length2) > 1e-20) {
+    x = x * T(1.0 / sqrt(length2));
+  } else {
+    x = Vec(T(1.0), T(0.0), T(0.0));
+  }
+  const Vec y = optics::cross(normal, x);
+  LocalGeometry<T> local;
+  local.geometry.theta_i = atan2(optics::sqrt_or_zero(length2), T(-along));
+  const T out_x = optics::dot(out.k, x), out_y = optics::dot(out.k, y),
+          out_z = optics::dot(out.k, normal);
+  // A signed polar angle and an azimuth within a right angle: no jump across the normal.
+  const double side = optics::value_of(out_x) < 0 ? -1.0 : 1.0;
+  const T across2 = out_x * out_x + out_y * out_y;
+  if (optics::value_of(across2) > 1e-20) {
+    local.geometry.theta_r = atan2(T(side * sqrt(across2)), out_z);
+    local.geometry.phi_r = atan2(T(side * out_y), T(side * out_x));
+  } else {
+    local.geometry.theta_r = atan2(out_x, out_z);
+    local.geometry.phi_r = T(0.0);
+  }
+  const Vec exit_s = y * T(cos(local.geometry.phi_r)) - x * T(sin(local.geometry.phi_r));
+  local.entry = optics::rotation_to(in, y);
+  local.exit = optics::rotation_to(out, exit_s);
+  return local;
+}
+
+/// Offsets and weights of a seven-point rule of degree five: a centre and a hexagon.
+struct HexagonRule {
+  double radius, centre_weight, ring_weight;
+};
+/// For a disc of unit radius, and for a Gaussian of unit standard deviation on each axis
+/// (Abramowitz and Stegun, 25.4.61 and 25.4.63).
+inline const HexagonRule disc_rule{std::sqrt(2.0 / 3.0), 0.25, 0.125};
+inline const HexagonRule gaussian_rule{2.0, 0.5, 1.0 / 12.0};
+
+/// The direction `k` turned by small angles towards `s` and `p` of its beam.
+template <class T>
+optics::Beam<T> turned(const optics::Beam<T>& beam, const T& towards_s, const T& towards_p) {
+  using std::sqrt;
+  const T scale = 1.0 / sqrt(1.0 + towards_s * towards_s + towards_p * towards_p);
+  const optics::Vec3<T> k = (beam.k + beam.s * towards_s + beam.p * towards_p) * scale;
+  // Bases follow without turning about the beam.
+  optics::Vec3<T> s = beam.s - k * optics::dot(beam.s, k);
+  s = s * T(1.0 / sqrt(optics::dot(s, s)));
+  return {s, optics::cross(k, s), k};
+}
+
+/// a·M·s·cos θr for one pair of directions.
+template <class T>
+T contracted(const Material<T>& material, const optics::Beam<T>& in, const optics::Beam<T>& out,
+             const T& tilt, const optics::Stokes<T>& source, const optics::Stokes<T>& detector,
+             const Switched<T>& on) {
+  const LocalGeometry<T> local = seen_from_sample(in, out, tilt);
+  const optics::Mueller<T> m = sample_mueller(material, local.geometry, on);
+  const optics::Stokes<T> entering(
+      source[0], T(local.entry.cos2 * source[1] + local.entry.sin2 * source[2]),
+      T(local.entry.cos2 * source[2] - local.entry.sin2 * source[1]), source[3]);
+  const optics::Stokes<T> leaving = optics::apply(m, entering);
+  const T q = local.exit.cos2 * leaving[1] - local.exit.sin2 * leaving[2];
+  const T u = local.exit.cos2 * leaving[2] + local.exit.sin2 * leaving[1];
+  using std::cos;
+  return (detector[0] * leaving[0] + detector[1] * q + detector[2] * u) *
+         cos(local.geometry.theta_r);
+}
+
+/// a·M·s·cos θr of a material, over the detector's disc and the beam's spread where these have one.
+template <class T>
+T reflected(const Material<T>& material, const Record& r, const Pose<T>& pose, bool bent,
+            const optics::Stokes<T>& source, const optics::Stokes<T>& detector,
+            const Switched<T>& on) {
+  if (!bent) {
+    // The commanded angles are the true ones: they carry no derivatives.
+    const brdf::Geometry<double> geometry{r.theta_i, r.theta_r, r.phi_r};
+    const optics::Mueller<T> m = sample_mueller(material, geometry, on);
+    return optics::contract(detector, m, source) * std::cos(r.theta_r);
+  }
+  const optics::Beam<T> in = optics::incident_beam(pose.theta_i);
+  const optics::Beam<T> out = optics::exit_beam(pose.theta_r, pose.phi_r);
+  const T* aperture = on[EffectId::finite_aperture];
+  const T* divergence = on[EffectId::beam_divergence];
+  if (aperture == nullptr && divergence == nullptr)
+    return contracted(material, in, out, pose.tilt_out_of_plane, source, detector, on);
+
+  const double radian = optics::radians(1.0);
+  // One rule for both: their spreads are far below the lobe's width, where second moments tell.
+  const auto spread = [&](const optics::Beam<T>& beam, const T& size, const HexagonRule& rule,
+                          const auto& value) {
+    T sum = rule.centre_weight * value(beam);
+    for (int i = 0; i < 6; ++i) {
+      const double angle = optics::pi / 3 * i;
+      sum += rule.ring_weight * value(turned(beam, T(size * (rule.radius * std::cos(angle))),
+                                             T(size * (rule.radius * std::sin(angle)))));
+    }
+    return sum;
+  };
+  const auto over_aperture = [&](const optics::Beam<T>& incident) {
+    const auto one = [&](const optics::Beam<T>& exit) {
+      return contracted(material, incident, exit, pose.tilt_out_of_plane, source, detector, on);
+    };
+    if (aperture == nullptr) return one(out);
+    return spread(out, T(aperture[0] * (radian * r.iris_fraction)), disc_rule, one);
+  };
+  if (divergence == nullptr) return over_aperture(in);
+  return spread(in, T(divergence[0] * radian), gaussian_rule, over_aperture);
+}
+
+/// What the record should read. `bent`: effects that move angles are among those switched on.
+template <class T>
+Lockin<T> record_signal(const Record& r, const ChainBase<T>& base, bool bent,
+                        const Switched<T>& on) {
+  using std::acos;
+  using std::cos;
+  using std::exp;
+  if (!r.shutter_open) return detected(T(0.0), r, on);
+  const Pose<T> pose = true_pose(r, on);
+  const optics::Stokes<T> source = source_stokes(r, pose, on);
+  const optics::Stokes<T> detector = detector_stokes(r, pose, on);
+
+  T light(0.0);  // BRDF · cos θr as polariser and analyser select it
+  if (!r.sample_removed) {
+    if (!r.long_pass) {
+      const Material<T>& own = base.materials[r.wavelength];
+      light = reflected(own, r, pose, bent, source, detector, on);
+      const auto mix = [&](std::size_t other, const T& fraction) {
+        const T foreign = reflected(base.materials[other], r, pose, bent, source, detector, on);
+        light += fraction * (foreign - light);
+      };
+      const auto wavelength_nm = [&](std::size_t i) {
+        return base.materials[i].wavelength_um * 1e3;
+      };
+      if (const T* p = on[EffectId::laser_crosstalk]) {
+        for (std::size_t i = 0; i < base.materials.size(); ++i)
+          if (std::abs(wavelength_nm(i) - optics::value_of(p[2])) < 0.5 &&
+              std::abs(wavelength_nm(r.wavelength) - optics::value_of(p[1])) < 0.5)
+            mix(i, p[0]);
+      }
+      if (const T* p = on[EffectId::wavelength_error]) {
+        if (std::abs(wavelength_nm(r.wavelength) - optics::value_of(p[1])) < 0.5 &&
+            base.materials.size() > 1) {
+          // Straight line to the neighbour: what is known of the spectrum in between.
+          const std::size_t other =
+              r.wavelength + 1 < base.materials.size() ? r.wavelength + 1 : r.wavelength - 1;
+          mix(other, T(p[0] * (1.0 / (wavelength_nm(other) - wavelength_nm(r.wavelength)))));
+        }
+      }
+      if (on[EffectId::beam_overfill] != nullptr || on[EffectId::detector_underfill] != nullptr)
+        light *= footprint(T(cos(pose.theta_i)), T(cos(pose.theta_r)), on);
+      if (on[EffectId::retro_occlusion] != nullptr) {
+        const double cos_off = std::cos(r.theta_i) * std::cos(r.theta_r) -
+                               std::sin(r.theta_i) * std::sin(r.theta_r) * std::cos(r.phi_r);
+        light -= light * shadow(T(std::acos(std::min(1.0, std::max(-1.0, cos_off)))), on);
+      }
+    }
+    if (const T* p = on[EffectId::fluorescence]) {
+      if (r.wavelength == 0) light += p[0] * detector[0] * (std::cos(r.theta_r) / optics::pi);
+    }
+  }
+  if (const T* p = on[EffectId::stray_light]) light += p[0] * detector[0];
+  if (const T* p = on[EffectId::stray_forward]) {
+    const T width = p[1] * optics::radians(1.0);
+    const double off =
+        std::acos(std::min(1.0, std::max(-1.0, std::sin(r.theta_r) * std::cos(r.phi_r))));
+    light += p[0] * detector[0] * exp(T(-0.5 * off * off / (width * width)));
+  }
+  const T constant =
+      exp(base.log_gain[r.wavelength]) * (base.gain_constant_v[r.wavelength] * base.solid_angle_sr *
+                                          r.monitor_v * r.iris_fraction * r.iris_fraction);
+  return detected(T(light * constant * source_level(r, on)), r, on);
+}
+
+}  // namespace umov::gap::scan

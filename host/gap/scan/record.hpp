@@ -1,0 +1,47 @@
+// What a lock-in record was taken with, in radians and plain numbers, ready for the signal chain.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "host/formats/scan_table.hpp"
+
+namespace umov::gap::scan {
+
+struct Record {
+  double theta_i, theta_r, phi_r;  ///< commanded, radians
+  std::size_t wavelength;          ///< number in ScanRecords::wavelengths_nm
+  bool polarizer_open, analyzer_open;
+  double polarizer, analyzer;  ///< transmission axes from p towards s, radians
+  int direction;               ///< of the last detector move, 1 or -1
+  double gain;                 ///< nominal amplifier range
+  double monitor_v;
+  double time;  ///< from 0 at the scan's first record to 1 at its last
+  double time_s;
+  bool shutter_open;
+  bool saturated;
+  bool sample_flipped;  ///< turned by 180 deg about its normal
+  bool sample_removed;
+  bool long_pass;        ///< a filter keeps the laser's own light from the detector
+  double iris_fraction;  ///< diameter of the detector's aperture over its usual one
+  double x_v, y_v;
+  int row;  ///< line of detector angles it belongs to
+};
+
+struct ScanRecords {
+  std::vector<Record> records;
+  std::vector<double> wavelengths_nm;  ///< ascending
+  std::vector<double> gain_constant_v;
+  double gain_constant_relative_u = 0.01;
+  double solid_angle_sr = 1e-4;
+  double adc_full_scale_v = 0;     ///< 0 = unknown
+  std::vector<std::string> notes;  ///< records that cannot be used, and why
+};
+
+/// Joins scans of one sample (a prescribed further scan goes behind the first). Rows taken with
+/// something that the chain does not know (another sample) are left out with a note. Throws
+/// umov::Error where keys are missing or scans contradict each other.
+ScanRecords prepare_records(const std::vector<formats::ScanTable>& scans);
+
+}  // namespace umov::gap::scan

@@ -1,0 +1,323 @@
+#include "host/gap/scan/scan_model.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <ceres/jet.h>
+#include <fmt/format.h>
+
+#include "host/calibrate/calibration.hpp"
+#include "host/calibrate/reduce.hpp"
+#include "host/errors/error.hpp"
+#include "host/formats/fit_file.hpp"
+#include "host/gap/scan/chain.hpp"
+#include "host/invert/invert.hpp"
+#include "host/optics/angles.hpp"
+
+namespace umov::gap::scan {
+namespace {
+
+/// Derivatives carried by one pass of the chain.
+constexpr int lanes = 8;
+using Dual = ceres::Jet<double, lanes>;
+
+/// Smallest κ²: the derivative of κ itself is infinite at zero.
+constexpr double least_kappa2 = 1e-10;
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// The base model fitted to the reduced scan: where the diagnosis starts.
+formats::FitResult starting_fit(const std::vector<formats::ScanTable>& scans,
+                                const std::string& model) {
+  const calibrate::Calibration calibration = calibrate::calibration_from_header(scans.front());
+  calibrate::ReduceOptions reduce_options;
+  reduce_options.dolp = reduce_options.dhr = false;
+  const calibrate::Reduction reduction =
+      calibrate::reduce(scans.front(), calibration, reduce_options);
+  invert::Options options;
+  options.model = model;
+  options.starts = 6;
+  options.held_out = options.dhr = false;
+  options.floor_relative = 0.01;
+  return invert::invert(reduction.table, options);
+}
+
+}  // namespace
+
+ScanModel::~ScanModel() = default;
+
+ScanModel::ScanModel(const std::vector<formats::ScanTable>& scans, const ScanModelOptions& options)
+    : records_(prepare_records(scans)), model_(brdf::Model::by_name(options.model)) {
+  for (const formats::ScanTable& scan : scans) noise_.push_back(calibrate::fit_noise(scan));
+  for (const brdf::Component& part : model_.components())
+    if (lobe_ < 0 && part.kind == brdf::Kind::microfacet) lobe_ = static_cast<int>(part.first);
+
+  const formats::FitResult fit = starting_fit(scans, options.model);
+  const std::size_t wavelengths = records_.wavelengths_nm.size();
+  for (std::size_t w = 0; w < wavelengths; ++w) {
+    Parameter p{fmt::format("log_gain_{:g}", records_.wavelengths_nm[w]),
+                "1",
+                "logarithm of the gain constant over its stated value",
+                0.0,
+                -0.5,
+                0.5,
+                records_.gain_constant_relative_u};
+    base_.push_back(std::move(p));
+    squared_.push_back(false);
+  }
+  source_.assign(wavelengths, std::vector<int>(model_.parameters().size(), -1));
+  for (std::size_t i = 0; i < model_.parameters().size(); ++i) {
+    const brdf::Parameter& declared = model_.parameters()[i];
+    held_.push_back(declared.initial);
+    // A lobe's weight is held in fits of one paint's BRDF; here what it says is not beyond doubt.
+    const bool weight = declared.name == "bias" || declared.name.ends_with(".bias");
+    if (declared.held && !weight) continue;
+    const bool squared = declared.name.ends_with("kappa");
+    const auto add = [&](const std::string& name, double value) {
+      Parameter p{name, declared.unit, declared.meaning, value, declared.min, declared.max};
+      if (squared) {
+        p.name += "_squared";
+        p.lo = least_kappa2;
+        p.hi = declared.max * declared.max;
+        // κ² of 1e-10 cannot be told from none, and has no way back: begin where it shows.
+        p.absent = std::max(value * value, 1e-4);
+      }
+      base_.push_back(std::move(p));
+      squared_.push_back(squared);
+      return static_cast<int>(base_.size()) - 1;
+    };
+    const formats::FitParameter* fitted = fit.find(declared.name);
+    const auto value_at = [&](std::size_t w) {
+      return fitted == nullptr ? declared.initial : fitted->at(w).value;
+    };
+    // Refractive indices disperse; what is one number in a fit of smooth paint is not here, where
+    // a lobe is seen to a thousandth.
+    if ((declared.spectral && !weight) || declared.name.ends_with(".n") || declared.name == "n") {
+      for (std::size_t w = 0; w < wavelengths; ++w)
+        source_[w][i] =
+            add(fmt::format("{}_{:g}", declared.name, records_.wavelengths_nm[w]), value_at(w));
+    } else {
+      const int shared = add(declared.name, value_at(0));
+      for (std::size_t w = 0; w < wavelengths; ++w) source_[w][i] = shared;
+    }
+  }
+
+  make_observations();
+}
+
+void ScanModel::make_observations() {
+  Scale scale;
+  scale.wavelengths_nm = records_.wavelengths_nm;
+  std::vector<double> adc;
+  double largest = 0, duration = 0;
+  for (std::size_t i = 0; i < records_.records.size(); ++i) {
+    const Record& r = records_.records[i];
+    if (r.saturated) continue;
+    used_.push_back(i);
+    adc.push_back(std::abs(r.x_v) * r.gain);
+    largest = std::max(largest, std::abs(r.x_v));
+    duration = std::max(duration, r.time_s);
+  }
+  constexpr std::size_t fewest_records = 200;
+  if (used_.size() < fewest_records)
+    throw Error(
+        fmt::format("{} usable records are too few for a diagnosis", used_.size()),
+        fmt::format("measure at least {}, over several angles of incidence", fewest_records));
+  scale.largest_signal_v = largest;
+  scale.typical_adc_v = median(adc);
+  scale.duration_s = std::max(duration, 1.0);
+  if (lobe_ >= 0) {
+    const int slope = source_[0][static_cast<std::size_t>(lobe_) + 2];
+    if (slope >= 0) scale.slope_rms = base_[static_cast<std::size_t>(slope)].absent;
+  }
+  effects_ = catalogue(scale);
+
+  const auto n = static_cast<Eigen::Index>(used_.size());
+  observations_.value.resize(2 * n);
+  observations_.axes = {{"theta_i_deg", "deg", {}},  {"theta_r_deg", "deg", {}},
+                        {"theta_h_deg", "deg", {}},  {"theta_d_deg", "deg", {}},
+                        {"wavelength_nm", "nm", {}}, {"log_signal", "1", {}},
+                        {"time", "1", {}},           {"direction", "1", {}}};
+  for (int part = 0; part < 2; ++part) {
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Record& r = records_.records[used_[static_cast<std::size_t>(i)]];
+      observations_.value[part * n + i] = part == 0 ? r.x_v : r.y_v;
+      observations_.row.push_back(r.row);
+      const brdf::FacetFrame<double> f =
+          brdf::facet_frame(brdf::Geometry<double>{r.theta_i, r.theta_r, r.phi_r});
+      const std::array<double, 8> coordinates = {optics::degrees(r.theta_i),
+                                                 optics::degrees(r.theta_r),
+                                                 optics::degrees(std::acos(std::min(1.0, f.cos_h))),
+                                                 optics::degrees(std::acos(std::min(1.0, f.cos_d))),
+                                                 records_.wavelengths_nm[r.wavelength],
+                                                 std::log10(std::max(std::abs(r.x_v), 1e-9)),
+                                                 r.time,
+                                                 static_cast<double>(r.direction)};
+      for (std::size_t a = 0; a < coordinates.size(); ++a)
+        observations_.axes[a].value.push_back(coordinates[a]);
+      const std::string channel = fmt::format(
+          "{}/{}{}", r.polarizer_open ? "U" : fmt::format("{:g}", optics::degrees(r.polarizer)),
+          r.analyzer_open ? "U" : fmt::format("{:g}", optics::degrees(r.analyzer)),
+          part == 0 ? "" : " Y");
+      const auto known =
+          std::find(observations_.channels.begin(), observations_.channels.end(), channel);
+      observations_.channel.push_back(static_cast<int>(known - observations_.channels.begin()));
+      if (known == observations_.channels.end()) observations_.channels.push_back(channel);
+    }
+  }
+}
+
+template <class T>
+void ScanModel::evaluate(const Explanation& explanation, const std::vector<T>& values,
+                         std::size_t record, T& x, T& y, bool bent) const {
+  const std::size_t wavelengths = source_.size();
+  const std::size_t parameters = held_.size();
+  const Record& r = records_.records[record];
+  // The other wavelengths matter to effects that mix them only.
+  bool mixes = false;
+  Switched<T> on;
+  std::size_t next = base_.size();
+  for (std::size_t k = 0; k < explanation.effects.size(); ++k) {
+    on.values[explanation.effects[k]] = &values[next];
+    next += explanation.alpha[k].size();
+    mixes = mixes || explanation.effects[k] == number(EffectId::laser_crosstalk) ||
+            explanation.effects[k] == number(EffectId::wavelength_error);
+  }
+  std::array<Material<T>, 8> materials{};
+  thread_local std::vector<T> own;
+  own.resize(wavelengths * parameters);
+  for (std::size_t w = 0; w < wavelengths; ++w) {
+    if (!mixes && w != r.wavelength) continue;
+    for (std::size_t i = 0; i < parameters; ++i) {
+      const int from = source_[w][i];
+      T& value = own[w * parameters + i];
+      if (from < 0) {
+        value = T(held_[i]);
+      } else {
+        const T& given = values[static_cast<std::size_t>(from)];
+        using std::sqrt;
+        value = squared_[static_cast<std::size_t>(from)] ? T(sqrt(given)) : given;
+      }
+    }
+  }
+  for (std::size_t w = 0; w < wavelengths; ++w)
+    materials[w] = {&model_, std::span<const T>(own).subspan(w * parameters, parameters),
+                    records_.wavelengths_nm[w] * 1e-3, w, lobe_};
+  const ChainBase<T> base{std::span<const Material<T>>(materials).first(wavelengths),
+                          std::span<const T>(values).first(wavelengths), records_.gain_constant_v,
+                          records_.solid_angle_sr};
+  const Lockin<T> out = record_signal(r, base, bent, on);
+  x = out.x;
+  y = out.y;
+}
+
+void ScanModel::predict(const Explanation& explanation, Eigen::VectorXd& mean,
+                        Eigen::MatrixXd* jacobian) const {
+  const auto n = static_cast<Eigen::Index>(used_.size());
+  std::vector<double> values = explanation.base;
+  std::vector<bool> fitted(values.size(), true);
+  bool bent = false;
+  for (std::size_t k = 0; k < explanation.effects.size(); ++k) {
+    bent = bent || changes_geometry(static_cast<EffectId>(explanation.effects[k]));
+    // A rotated polariser needs the pose, not bent directions.
+    const auto& declared = effects_[explanation.effects[k]].parameters;
+    for (std::size_t i = 0; i < declared.size(); ++i) {
+      values.push_back(explanation.alpha[k][i]);
+      fitted.push_back(!declared[i].choice);
+    }
+  }
+  mean.resize(2 * n);
+  if (jacobian == nullptr) {
+    for (Eigen::Index i = 0; i < n; ++i)
+      evaluate(explanation, values, used_[static_cast<std::size_t>(i)], mean[i], mean[n + i], bent);
+    return;
+  }
+  jacobian->setZero(2 * n, static_cast<Eigen::Index>(values.size()));
+  const std::size_t wavelengths = source_.size();
+  bool mixes = false;
+  for (const std::size_t e : explanation.effects)
+    mixes =
+        mixes || e == number(EffectId::laser_crosstalk) || e == number(EffectId::wavelength_error);
+  // Parameters that a record of each wavelength depends on.
+  std::vector<std::vector<std::size_t>> active(wavelengths);
+  for (std::size_t w = 0; w < wavelengths; ++w) {
+    std::vector<bool> there(values.size(), false);
+    there[w] = true;
+    for (std::size_t v = 0; v < wavelengths; ++v)
+      if (mixes || v == w)
+        for (const int from : source_[v])
+          if (from >= 0) there[static_cast<std::size_t>(from)] = true;
+    for (std::size_t i = base_.size(); i < values.size(); ++i) there[i] = fitted[i];
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (there[i]) active[w].push_back(i);
+  }
+  std::vector<Dual> dual(values.size());
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const std::size_t record = used_[static_cast<std::size_t>(i)];
+    const auto& list = active[records_.records[record].wavelength];
+    for (std::size_t first = 0; first < list.size(); first += lanes) {
+      const std::size_t last = std::min(list.size(), first + lanes);
+      for (std::size_t k = 0; k < values.size(); ++k) dual[k] = Dual(values[k]);
+      for (std::size_t k = first; k < last; ++k)
+        dual[list[k]].v[static_cast<Eigen::Index>(k - first)] = 1;
+      Dual x, y;
+      evaluate(explanation, dual, record, x, y, bent);
+      mean[i] = x.a;
+      mean[n + i] = y.a;
+      for (std::size_t k = first; k < last; ++k) {
+        (*jacobian)(i, static_cast<Eigen::Index>(list[k])) =
+            x.v[static_cast<Eigen::Index>(k - first)];
+        (*jacobian)(n + i, static_cast<Eigen::Index>(list[k])) =
+            y.v[static_cast<Eigen::Index>(k - first)];
+      }
+    }
+  }
+}
+
+std::vector<std::vector<double>> ScanModel::further_starts() const {
+  // A broad weak lobe and a narrow strong one may each hold a fit of the other.
+  std::vector<std::vector<double>> starts;
+  if (lobe_ < 0) return starts;
+  const auto slope = source_[0][static_cast<std::size_t>(lobe_) + 2];
+  if (slope < 0) return starts;
+  for (const double rms : {0.06, 0.2, 0.45}) {
+    std::vector<double> start;
+    for (const Parameter& p : base_) start.push_back(p.absent);
+    start[static_cast<std::size_t>(slope)] = rms;
+    for (std::size_t w = 0; w < source_.size(); ++w) {
+      const auto set = [&](std::size_t offset, double value) {
+        const int at = source_[w][static_cast<std::size_t>(lobe_) + offset];
+        if (at >= 0) start[static_cast<std::size_t>(at)] = value;
+      };
+      set(0, 1.5);
+      set(1, 1e-3);
+    }
+    starts.push_back(std::move(start));
+  }
+  return starts;
+}
+
+NoiseShape ScanModel::noise(const Eigen::VectorXd& mean) const {
+  const auto n = static_cast<Eigen::Index>(used_.size());
+  NoiseShape shape{Eigen::VectorXd(2 * n), Eigen::VectorXd::Zero(2 * n), {}};
+  Eigen::VectorXd& sigma = shape.sigma;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Record& r = records_.records[used_[static_cast<std::size_t>(i)]];
+    const calibrate::NoiseModel& law = noise_.front();
+    const double nm = records_.wavelengths_nm[r.wavelength];
+    sigma[i] = std::sqrt(law.variance_normalised(nm, r.gain, mean[i]));
+    sigma[n + i] = std::sqrt(law.variance_y(nm, r.gain, mean[i]));
+    // The source's noise that the monitor misses: in phase with the light.
+    shape.relative[i] = mean[i];
+    shape.order.push_back(i);
+  }
+  return shape;
+}
+
+}  // namespace umov::gap::scan

@@ -1,0 +1,63 @@
+// A gonioreflectometer scan as a forward model of the diagnosis: X and Y of every record from a
+// reflectance model of the library and the instrument's signal chain.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/brdf/model.hpp"
+#include "host/calibrate/noise.hpp"
+#include "host/formats/scan_table.hpp"
+#include "host/gap/engine/forward_model.hpp"
+#include "host/gap/scan/record.hpp"
+
+namespace umov::gap::scan {
+
+struct ScanModelOptions {
+  std::string model = "microfacet+nef";
+  /// Start of the model's parameters by name and wavelength number; from a fit of the reduced scan
+  /// where empty.
+  std::vector<double> start;
+};
+
+class ScanModel : public ForwardModel {
+ public:
+  /// Throws umov::Error where the records cannot carry a diagnosis.
+  ScanModel(const std::vector<formats::ScanTable>& scans, const ScanModelOptions& options = {});
+  ~ScanModel() override;
+
+  const Observations& observations() const override { return observations_; }
+  const std::vector<Parameter>& base() const override { return base_; }
+  const std::vector<Effect>& effects() const override { return effects_; }
+  std::vector<std::vector<double>> further_starts() const override;
+  void predict(const Explanation& explanation, Eigen::VectorXd& mean,
+               Eigen::MatrixXd* jacobian) const override;
+  NoiseShape noise(const Eigen::VectorXd& mean) const override;
+
+  const ScanRecords& records() const { return records_; }
+  /// Number of the record of every observation; X of all first, then Y.
+  std::size_t used() const { return used_.size(); }
+
+ private:
+  void make_observations();
+  template <class T>
+  void evaluate(const Explanation& explanation, const std::vector<T>& values, std::size_t record,
+                T& x, T& y, bool bent) const;
+
+  ScanRecords records_;
+  std::vector<std::size_t> used_;  ///< numbers of the records that count
+  brdf::Model model_;
+  int lobe_ = -1;
+  std::vector<calibrate::NoiseModel> noise_;
+  Observations observations_;
+  std::vector<Parameter> base_;
+  std::vector<Effect> effects_;
+  /// For every wavelength: number of the base parameter behind each model parameter; -1 = held.
+  std::vector<std::vector<int>> source_;
+  std::vector<double> held_;
+  std::vector<bool> squared_;  ///< base parameter is the square of the model's (κ)
+};
+
+}  // namespace umov::gap::scan
