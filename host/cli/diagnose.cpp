@@ -40,6 +40,7 @@ void run(Arguments& a, const Common& common) {
 
   Progress progress("diagnose", common.quiet || common.json);
   a.options.diagnose.search.seed = common.seed;
+  a.options.diagnose.search.threads = common.threads;
   a.options.diagnose.search.progress = [&](double share, const char* stage) {
     progress.update(share, 1.0, stage);
   };

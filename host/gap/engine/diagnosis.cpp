@@ -9,11 +9,13 @@
 #include <Eigen/Cholesky>
 
 #include "host/gap/engine/folds.hpp"
+#include "host/parallel/for_each_index.hpp"
 
 namespace umov::gap {
 namespace {
 
 constexpr double two_sided_95 = 1.959964;
+constexpr std::size_t most_rivals = 5;  // of one cause, refitted in full
 
 Eigen::VectorXd standard_errors(const Eigen::MatrixXd& precision) {
   const Eigen::VectorXd scale = precision.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
@@ -94,18 +96,16 @@ class Diagnoser {
 
   Diagnosis run() {
     d_.search = search(model_, options_.search);
-    const Hypothesis& base = d_.search.hypotheses[d_.search.base];
+    const Hypothesis base = d_.search.hypotheses[d_.search.base];
     const Whitening& whitening = *d_.search.whitening;
     d_.where = find_where(model_, base.refit, options_.draws, options_.search.seed + 1);
-    probabilities();
-
-    const Hypothesis& best = d_.search.hypotheses.front();
-    final_ = accepted(best, base);
-    const Refit& after = final_->refit;
+    final_ = confirmed(d_.search.hypotheses.front(), base, whitening);
+    const Refit& after = final_.refit;
     d_.unexplained = find_where(model_, after, options_.draws, options_.search.seed + 2);
     gaps(base.refit, after, whitening);
+    ambiguity(whitening);
+    probabilities();
     causes(base.refit, after, whitening);
-    ambiguity(*final_, whitening);
     verdict();
     const Eigen::VectorXd errors = standard_errors(after.precision);
     for (std::size_t i = 0; i < model_.base().size(); ++i)
@@ -115,20 +115,58 @@ class Diagnoser {
   }
 
  private:
-  /// The best hypothesis, if evidence and withheld rows agree that it is better than the base.
-  const Hypothesis* accepted(const Hypothesis& best, const Hypothesis& base) const {
-    const bool gain = base.refit.chi2 - best.refit.chi2 > d_.search.null_99;
-    const bool predicts = best.held_out_chi2 < base.held_out_chi2;
-    return gain && predicts ? &best : &base;
+  /// The best hypothesis as far as evidence and withheld rows agree: effects without which withheld
+  /// rows are foretold as well leave it, one at a time.
+  Hypothesis confirmed(Hypothesis best, const Hypothesis& base, const Whitening& whitening) const {
+    if (base.refit.chi2 - best.refit.chi2 <= d_.search.null_99) return base;
+    const auto withheld = [&](const Refit& fit) {
+      return sum(held_out_by_fold(model_, fit, whitening, d_.search.fold));
+    };
+    best.held_out_chi2 = withheld(best.refit);
+    while (!best.refit.explanation.effects.empty()) {
+      const auto effects = best.refit.explanation.effects;
+      std::vector<Hypothesis> smaller(effects.size());
+      for_each_index(effects.size(), options_.search.threads, [&](std::size_t i) {
+        smaller[i].refit =
+            refit(model_, without_effect(best.refit.explanation, effects[i]), whitening);
+        smaller[i].held_out_chi2 = withheld(smaller[i].refit);
+      });
+      const auto least = std::min_element(
+          smaller.begin(), smaller.end(),
+          [](const auto& a, const auto& b) { return a.held_out_chi2 < b.held_out_chi2; });
+      if (least->held_out_chi2 > best.held_out_chi2) break;
+      best = std::move(*least);
+      best.ln_evidence = log_evidence(model_, best.refit) +
+                         log_prior_odds(model_, options_.search) *
+                             static_cast<double>(best.refit.explanation.effects.size());
+    }
+    return best;
   }
 
+  /// Over the hypotheses of the search and the rivals that were tried after it.
   void probabilities() {
+    std::vector<Hypothesis>& all = d_.search.hypotheses;
+    double best = -1e300, total = 0;
+    for (const Hypothesis& h : all) best = std::max(best, h.ln_evidence);
+    for (Hypothesis& h : all) total += h.probability = std::exp(h.ln_evidence - best);
     std::map<std::string, double> by_name;
-    for (std::size_t e = 0; e < model_.effects().size(); ++e)
-      by_name[model_.effects()[e].name] += d_.search.inclusion[e];
+    for (const Effect& e : model_.effects()) by_name[e.name] = 0;
+    for (Hypothesis& h : all) {
+      h.probability /= total;
+      std::set<std::string> names;
+      for (const std::size_t e : h.refit.explanation.effects) names.insert(model_.effects()[e].name);
+      for (const std::string& name : names) by_name[name] += h.probability;
+    }
     for (auto& [name, p] : by_name) d_.probabilities.emplace_back(name, std::min(1.0, p));
     std::stable_sort(d_.probabilities.begin(), d_.probabilities.end(),
                      [](const auto& a, const auto& b) { return a.second > b.second; });
+  }
+
+  /// Takes a hypothesis into the search's list unless its set of effects is there.
+  void keep(Hypothesis hypothesis) {
+    for (const Hypothesis& h : d_.search.hypotheses)
+      if (h.refit.explanation.effects == hypothesis.refit.explanation.effects) return;
+    d_.search.hypotheses.push_back(std::move(hypothesis));
   }
 
   double probability_of(const std::string& name) const {
@@ -179,19 +217,33 @@ class Diagnoser {
   void causes(const Refit& base, const Refit& after, const Whitening& whitening) {
     const auto& chosen = after.explanation.effects;
     if (chosen.empty()) return;
-    // What every subset closes on withheld rows.
+    // What every subset of the small effects closes on withheld rows. Structure comes before them:
+    // without it nothing they do can be seen.
+    std::vector<std::size_t> small;
+    Explanation structure = after.explanation;
+    for (const std::size_t e : chosen) {
+      if (model_.effects()[e].structural) continue;
+      small.push_back(e);
+      structure = without_effect(structure, e);
+    }
     const std::size_t n = chosen.size();
-    std::vector<double> closed(std::size_t{1} << n, 0.0);
+    std::vector<double> closed(std::size_t{1} << small.size(), 0.0);
     const double nothing = sum(held_out_by_fold(model_, base, whitening, d_.search.fold));
-    for (std::size_t subset = 1; subset < closed.size(); ++subset) {
+    for_each_index(closed.size(), options_.search.threads, [&](std::size_t subset) {
       Explanation part = after.explanation;
-      for (std::size_t i = 0; i < n; ++i)
-        if (!((subset >> i) & 1U)) part = without_effect(part, chosen[i]);
+      for (std::size_t i = 0; i < small.size(); ++i)
+        if (!((subset >> i) & 1U)) part = without_effect(part, small[i]);
       const Refit fit = subset + 1 == closed.size() ? after : refit(model_, part, whitening);
       closed[subset] = nothing - sum(held_out_by_fold(model_, fit, whitening, d_.search.fold));
-    }
-    const std::vector<double> share = shapley(closed, n);
+    });
     const double whole = std::max(closed.back(), 1e-300);
+    std::vector<double> share(n, 0.0);
+    const std::vector<double> of_small = shapley(closed, small.size());
+    for (std::size_t k = 0, next_small = 0; k < n; ++k) {
+      share[k] = model_.effects()[chosen[k]].structural
+                     ? closed.front() / static_cast<double>(n - small.size())
+                     : of_small[next_small++];
+    }
     const Eigen::VectorXd errors = standard_errors(after.precision);
     Eigen::Index next = static_cast<Eigen::Index>(after.explanation.base.size());
     for (std::size_t k = 0; k < n; ++k) {
@@ -200,51 +252,76 @@ class Diagnoser {
       for (std::size_t i = 0; i < effect.parameters.size(); ++i, ++next)
         cause.parameters.push_back(
             named_value(effect.parameters[i], after.explanation.alpha[k][i], errors[next]));
-      if (cause.probability >= options_.named) d_.causes.push_back(std::move(cause));
+      if (joint_probability(effect.name) >= options_.named) d_.causes.push_back(std::move(cause));
     }
     std::stable_sort(d_.causes.begin(), d_.causes.end(),
                      [](const Cause& a, const Cause& b) { return a.share > b.share; });
   }
 
   /// Each cause on trial against every other effect in its place.
-  void ambiguity(const Hypothesis& best, const Whitening& whitening) {
+  void ambiguity(const Whitening& whitening) {
+    const Hypothesis best = final_;
+    keep(best);
     std::vector<std::set<std::string>> sets;
     const double ln_odds = log_prior_odds(model_, options_.search);
     for (const std::size_t member : best.refit.explanation.effects) {
       std::set<std::string> set{model_.effects()[member].name};
       const Refit smaller =
           refit(model_, without_effect(best.refit.explanation, member), whitening);
-      const LinearView view(model_, smaller, whitening, d_.search.fold);
-      std::vector<std::pair<double, std::size_t>> rivals;
+      const LinearView view(model_, smaller, whitening, d_.search.fold, true,
+                            options_.search.threads);
+      // The linear view overrates what a rival could do as often as not: half will do for a trial.
+      const double needed = 0.5 * (smaller.chi2 - best.refit.chi2);
+      std::vector<std::pair<double, std::size_t>> candidates;
       for (std::size_t c = 0; c < view.candidates().size(); ++c) {
         if (view.candidates()[c].effect == member) continue;
         const std::size_t one[] = {c};
-        rivals.emplace_back(-view.fit(one).ln_evidence, c);
+        const LinearFit alone = view.fit(one);
+        if (alone.gain > needed) candidates.emplace_back(-alone.ln_evidence, c);
       }
-      std::sort(rivals.begin(), rivals.end());
+      std::sort(candidates.begin(), candidates.end());
+      std::vector<std::size_t> rivals;
       std::set<std::size_t> tried;
-      for (const auto& [cost, c] : rivals) {
-        if (tried.size() == 5) break;
-        const std::size_t effect = view.candidates()[c].effect;
-        if (!tried.insert(effect).second) continue;
-        const std::size_t one[] = {c};
-        const Refit fit = refit(
-            model_,
-            with_effect(smaller.explanation, effect, view.alpha(c, view.fit(one).coefficient)),
-            whitening);
-        const double ln_evidence = log_evidence(model_, fit) +
-                                   ln_odds * static_cast<double>(fit.explanation.effects.size());
-        if (2 * (best.ln_evidence - ln_evidence) < options_.ambiguous)
-          set.insert(model_.effects()[effect].name);
+      for (const auto& [cost, c] : candidates)
+        if (tried.size() < most_rivals && tried.insert(view.candidates()[c].effect).second)
+          rivals.push_back(c);
+      std::vector<Hypothesis> trials(rivals.size());
+      for_each_index(rivals.size(), options_.search.threads, [&](std::size_t i) {
+        const std::size_t one[] = {rivals[i]};
+        Hypothesis& h = trials[i];
+        h.refit = refit(model_,
+                        with_effect(smaller.explanation, view.candidates()[rivals[i]].effect,
+                                    view.alpha(rivals[i], view.fit(one).coefficient)),
+                        whitening);
+        h.ln_evidence = log_evidence(model_, h.refit) +
+                        ln_odds * static_cast<double>(h.refit.explanation.effects.size());
+      });
+      for (std::size_t i = 0; i < rivals.size(); ++i) {
+        if (2 * (best.ln_evidence - trials[i].ln_evidence) < options_.ambiguous) {
+          set.insert(model_.effects()[view.candidates()[rivals[i]].effect].name);
+          rivals_.push_back({member, trials[i].refit.explanation});
+        }
+        keep(std::move(trials[i]));
       }
       sets.push_back(std::move(set));
     }
     d_.ambiguity_sets = merged(std::move(sets));
   }
 
+  /// Of a cause and what cannot be told from it.
+  double joint_probability(const std::string& name) const {
+    for (const auto& set : d_.ambiguity_sets) {
+      if (std::find(set.begin(), set.end(), name) == set.end()) continue;
+      double sum_of_set = 0;
+      for (const std::string& member : set) sum_of_set += probability_of(member);
+      return std::min(1.0, sum_of_set);
+    }
+    return probability_of(name);
+  }
+
   void verdict() {
     const bool left = d_.unexplained.p_global < options_.significance;
-    if (final_->refit.explanation.effects.empty()) {
+    if (final_.refit.explanation.effects.empty()) {
       d_.verdict = left ? Verdict::unexplained : Verdict::none_needed;
     } else if (d_.causes.empty() && d_.ambiguity_sets.empty()) {
       d_.verdict = Verdict::unexplained;
@@ -255,7 +332,12 @@ class Diagnoser {
 
   const ForwardModel& model_;
   const DiagnoseOptions& options_;
-  const Hypothesis* final_ = nullptr;
+  Hypothesis final_;
+  struct Rival {
+    std::size_t member;       ///< in whose place it stands
+    Explanation explanation;  ///< with the rival
+  };
+  std::vector<Rival> rivals_;
   Diagnosis d_;
 };
 

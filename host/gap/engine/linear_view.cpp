@@ -9,6 +9,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 
+#include "host/parallel/for_each_index.hpp"
+
 namespace umov::gap {
 namespace {
 
@@ -50,13 +52,11 @@ double ln_det(const Eigen::LDLT<Eigen::MatrixXd>& factor) {
 }  // namespace
 
 LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whitening& whitening,
-                       const std::vector<int>& fold, bool with_candidates)
+                       const std::vector<int>& fold, bool with_candidates, int threads)
     : model_(model) {
   const Eigen::Index observations = at.residual.size();
   fitted_ = static_cast<Eigen::Index>(at.free.size());
 
-  std::vector<Eigen::VectorXd> signatures;
-  Eigen::VectorXd shifted;
   const std::size_t effects = with_candidates ? model.effects().size() : 0;
   for (std::size_t e = 0; e < effects; ++e) {
     const Effect& effect = model.effects()[e];
@@ -66,8 +66,6 @@ LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whiteni
     for (std::size_t g = 0; g < effect.probes.size(); ++g) {
       Candidate candidate{e, g, {}, 0};
       for (const Probe& probe : effect.probes[g]) {
-        model.predict(with_effect(at.explanation, e, probe), shifted, nullptr);
-        signatures.emplace_back(shifted - at.mean);
         const double units = prior_units(effect, probe);
         members_.push_back({e, probe, one_sided(effect, effect.probes[g]), units * units});
         candidate.columns.push_back(static_cast<Eigen::Index>(members_.size()) - 1);
@@ -76,11 +74,15 @@ LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whiteni
     }
   }
 
-  const Eigen::Index probes = static_cast<Eigen::Index>(signatures.size());
+  const Eigen::Index probes = static_cast<Eigen::Index>(members_.size());
   Eigen::MatrixXd columns(observations, fitted_ + probes);
   columns.leftCols(fitted_) = at.jacobian(Eigen::all, at.free);
-  for (Eigen::Index i = 0; i < probes; ++i)
-    columns.col(fitted_ + i) = whitening.apply(signatures[static_cast<std::size_t>(i)]);
+  for_each_index(members_.size(), threads, [&](std::size_t i) {
+    Eigen::VectorXd shifted;
+    model.predict(with_effect(at.explanation, members_[i].effect, members_[i].probe), shifted,
+                  nullptr);
+    columns.col(fitted_ + static_cast<Eigen::Index>(i)) = whitening.apply(shifted - at.mean);
+  });
   const Eigen::VectorXd& residual = at.residual;
 
   const int count = fold.empty() ? 0 : *std::max_element(fold.begin(), fold.end()) + 1;

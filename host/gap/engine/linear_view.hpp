@@ -36,7 +36,7 @@ class LinearView {
  public:
   /// `at` must be a minimum. `with_candidates` false: only what is fitted, for held_out_chi2().
   LinearView(const ForwardModel& model, const Refit& at, const Whitening& whitening,
-             const std::vector<int>& fold, bool with_candidates = true);
+             const std::vector<int>& fold, bool with_candidates = true, int threads = 1);
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
   /// Best coefficients within the signs that are physical.

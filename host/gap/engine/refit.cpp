@@ -94,6 +94,9 @@ Eigen::VectorXd bounded_step(const Flat& flat, const Eigen::VectorXd& value,
   return step;
 }
 
+/// Decrease of χ² below which a fit is settled, and below which a step's derivatives serve again.
+constexpr double settled_gain = 1e-4, carried_gain = 1.0;
+
 struct Evaluation {
   Eigen::VectorXd mean, residual;
   double chi2 = 0, penalty = 0;
@@ -152,24 +155,27 @@ Refit refit(const ForwardModel& model, const Explanation& start, const Whitening
   Eigen::VectorXd value = within_bounds(flat, flat.value);
   Eigen::MatrixXd jacobian;
   Evaluation now = evaluate(value, &jacobian);
+  const auto take_derivatives = [&] {
+    jacobian = whitening.apply(jacobian);
+    best.precision = Eigen::MatrixXd::Zero(value.size(), value.size());
+    best.precision.selfadjointView<Eigen::Lower>().rankUpdate(jacobian.transpose());
+    best.precision = Eigen::MatrixXd(best.precision.selfadjointView<Eigen::Lower>());
+    best.precision.diagonal() += weight;
+  };
+  const auto gradient_of = [&](const Evaluation& e) -> Eigen::VectorXd {
+    return jacobian.transpose() * e.residual - weight.cwiseProduct(from_prior(flat, value));
+  };
+  take_derivatives();
+  bool derivatives_are_here = true;
   double damping = 1e-4;
   for (; best.iterations < max_iterations; ++best.iterations) {
-    jacobian = whitening.apply(jacobian);
-    Eigen::MatrixXd precision(value.size(), value.size());
-    precision.setZero();
-    precision.selfadjointView<Eigen::Lower>().rankUpdate(jacobian.transpose());
-    precision = Eigen::MatrixXd(precision.selfadjointView<Eigen::Lower>());
-    precision.diagonal() += weight;
-    const Eigen::VectorXd gradient =
-        jacobian.transpose() * now.residual - weight.cwiseProduct(from_prior(flat, value));
-    best.precision = precision;
-
+    const Eigen::VectorXd gradient = gradient_of(now);
     bool improved = false;
     double gained = 0;
     for (int attempt = 0; attempt < 12 && !improved; ++attempt) {
-      const Eigen::VectorXd step = bounded_step(flat, value, precision, gradient, damping);
+      const Eigen::VectorXd step = bounded_step(flat, value, best.precision, gradient, damping);
       const Eigen::VectorXd tried = within_bounds(flat, value + step);
-      if ((tried - value).cwiseAbs2().dot(precision.diagonal()) < 1e-14) break;
+      if ((tried - value).cwiseAbs2().dot(best.precision.diagonal()) < 1e-14) break;
       const Evaluation then = evaluate(tried, nullptr);
       if (then.cost() <= now.cost()) {
         gained = now.cost() - then.cost();
@@ -177,21 +183,30 @@ Refit refit(const ForwardModel& model, const Explanation& start, const Whitening
         now = then;
         improved = true;
         damping = std::max(1e-9, damping * 0.1);
+      } else if (!derivatives_are_here) {
+        break;
       } else {
         damping *= 10;
       }
     }
-    if (!improved || gained < 1e-6) break;
+    const bool settled = !improved || gained < settled_gain;
+    if (settled && derivatives_are_here) break;
+    // Old derivatives will do while they still carry far: near a minimum most models are straight.
+    const bool carries = derivatives_are_here && improved && gained < carried_gain;
+    if (carries) {
+      derivatives_are_here = false;
+      continue;
+    }
     now = evaluate(value, &jacobian);
+    take_derivatives();
+    derivatives_are_here = true;
   }
-  // The loop may have ended before the derivatives at the last point were taken.
-  now = evaluate(value, &jacobian);
-  jacobian = whitening.apply(jacobian);
-  best.precision = jacobian.transpose() * jacobian;
-  best.precision.diagonal() += weight;
+  if (!derivatives_are_here) {
+    now = evaluate(value, &jacobian);
+    take_derivatives();
+  }
   best.prior_precision = weight;
-  const Eigen::VectorXd gradient =
-      jacobian.transpose() * now.residual - weight.cwiseProduct(from_prior(flat, value));
+  const Eigen::VectorXd gradient = gradient_of(now);
   for (Eigen::Index i = 0; i < value.size(); ++i)
     if (best.precision(i, i) > 0 && !pushes_outwards(flat, value, gradient, i))
       best.free.push_back(i);

@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 
 #include "host/gap/engine/folds.hpp"
+#include "host/parallel/for_each_index.hpp"
 
 namespace umov::gap {
 namespace {
@@ -112,28 +113,32 @@ double held_out(const ForwardModel& model, const Refit& fit, const Whitening& wh
 }
 
 /// The base at the best of its starts.
-Refit base_fit(const ForwardModel& model) {
-  Eigen::VectorXd mean;
-  const auto fit_from = [&](Explanation start) {
+Refit base_fit(const ForwardModel& model, int threads) {
+  const auto fit_from = [&](const Explanation& start) {
     // Weights from the prediction: once from the start's, once from its fit.
+    Eigen::VectorXd mean;
     model.predict(start, mean, nullptr);
     const Refit first = refit(model, start, Whitening(model.noise(mean)));
     return refit(model, first.explanation, Whitening(model.noise(first.mean)));
   };
-  Refit best = fit_from(base_explanation(model));
+  const std::vector<std::vector<double>> further = model.further_starts();
+  std::vector<Refit> fits(1 + further.size());
+  for_each_index(fits.size(), threads, [&](std::size_t i) {
+    Explanation start = base_explanation(model);
+    if (i > 0) start.base = further[i - 1];
+    fits[i] = fit_from(start);
+  });
+  Refit best = std::move(fits.front());
   const Whitening whitening(model.noise(best.mean));
   const auto cost = [&](const Refit& fit) {
     return whitening.apply(model.observations().value - fit.mean).squaredNorm() + fit.penalty;
   };
   double least = cost(best);
-  for (const std::vector<double>& start : model.further_starts()) {
-    Explanation explanation = base_explanation(model);
-    explanation.base = start;
-    Refit fit = fit_from(std::move(explanation));
-    const double value = cost(fit);
+  for (std::size_t i = 1; i < fits.size(); ++i) {
+    const double value = cost(fits[i]);
     if (value < least - 1e-3) {
       least = value;
-      best = std::move(fit);
+      best = std::move(fits[i]);
     }
   }
   return best;
@@ -148,20 +153,23 @@ Refit with_structure(const ForwardModel& model, Refit centre, const SearchOption
     const Whitening whitening(model.noise(centre.mean));
     centre = refit(model, centre.explanation, whitening);
     if (centre.chi2 < dwarfed * static_cast<double>(centre.residual.size())) break;
-    Refit best = centre;
+    std::vector<Explanation> starts;
     for (std::size_t e = 0; e < model.effects().size(); ++e) {
       const Effect& effect = model.effects()[e];
       const auto& there = centre.explanation.effects;
       if (!effect.structural || std::find(there.begin(), there.end(), e) != there.end() ||
           std::find(options.without.begin(), options.without.end(), e) != options.without.end())
         continue;
-      for (const auto& group : effect.probes) {
-        // Where probes act together, the refit finds the others from the first.
-        const Refit fit =
-            refit(model, with_effect(centre.explanation, e, group.front()), whitening, 60);
-        if (fit.chi2 + fit.penalty < best.chi2 + best.penalty) best = fit;
-      }
+      // Where probes act together, the refit finds the others from the first.
+      for (const auto& group : effect.probes)
+        starts.push_back(with_effect(centre.explanation, e, group.front()));
     }
+    std::vector<Refit> fits(starts.size());
+    for_each_index(starts.size(), options.threads,
+                   [&](std::size_t i) { fits[i] = refit(model, starts[i], whitening, 60); });
+    Refit best = centre;
+    for (Refit& fit : fits)
+      if (fit.chi2 + fit.penalty < best.chi2 + best.penalty) best = std::move(fit);
     if (best.chi2 > worthwhile * centre.chi2) break;
     centre = std::move(best);
   }
@@ -217,13 +225,13 @@ SearchResult search(const ForwardModel& model, const SearchOptions& options) {
   tell(0, "base model");
   result.fold = fold_of_observations(model.observations().row, options.folds, options.seed);
 
-  Refit base = base_fit(model);
+  Refit base = base_fit(model, options.threads);
   tell(0.05, "structure of the model");
   Refit centre = with_structure(model, base, options);
   Whitening whitening(model.noise(centre.mean));
   {
     // Noise that is not known beforehand is what the whole catalogue together cannot explain.
-    const LinearView view(model, centre, whitening, result.fold);
+    const LinearView view(model, centre, whitening, result.fold, true, options.threads);
     const NoiseShape& shape = whitening.shape();
     const Eigen::VectorXd left = view.left_by_everything();
     const double rank = view.rank_of_everything();
@@ -258,7 +266,7 @@ SearchResult search(const ForwardModel& model, const SearchOptions& options) {
   for (int round = 0; round < 4 && seen.insert(from).second; ++round) {
     tell(0.1 + 0.2 * round, "sets of effects");
     const Hypothesis at = known.at(from);
-    const LinearView view(model, at.refit, whitening, result.fold);
+    const LinearView view(model, at.refit, whitening, result.fold, true, options.threads);
     if (round == 0) {
       const std::vector<double> maxima = view.null_maxima(2000, options.seed);
       result.null_95 = maxima[maxima.size() * 95 / 100];
@@ -294,8 +302,12 @@ SearchResult search(const ForwardModel& model, const SearchOptions& options) {
     for (const std::size_t e : from) {
       add_task(without_effect(at.refit.explanation, e));
     }
-    for (const Task& task : tasks)
-      known.emplace(task.effects, assess(refit(model, task.start, whitening)));
+    std::vector<Hypothesis> assessed(tasks.size());
+    for_each_index(tasks.size(), options.threads, [&](std::size_t i) {
+      assessed[i] = assess(refit(model, tasks[i].start, whitening));
+    });
+    for (std::size_t i = 0; i < tasks.size(); ++i)
+      known.emplace(tasks[i].effects, std::move(assessed[i]));
 
     double best = -1e300;
     for (const auto& [effects, h] : known) {

@@ -24,6 +24,7 @@ struct SearchOptions {
   std::uint64_t seed = 1;
   /// Effects that must not be used (numbers).
   std::vector<std::size_t> without;
+  int threads = 0;  ///< 0: all cores; the result does not depend on it
   std::function<void(double, const char*)> progress;
 };
 

@@ -320,6 +320,38 @@ class Catalogue {
     add_family(id, family, physics, source, std::move(parameters), {std::move(probes)});
   }
 
+  void forward_lobe() {
+    std::vector<Parameter> parameters;
+    for (const double nm : scale_.wavelengths_nm) {
+      Parameter p = signed_number("", "1/sr", "height at this wavelength", 0.03, 10);
+      p.name = fmt::format("peak_{:g}", nm);
+      parameters.push_back(p);
+    }
+    parameters.push_back(shaping("width_deg", "deg", "rms angle", 2, 60));
+    parameters.push_back(shaping("polarization", "1", "polarisation kept", 0, 1));
+    parameters.push_back(choosing(
+        "about_planes", "1", "polarisation kept about 0: the facet, 1: the planes of both beams"));
+    std::vector<std::vector<Probe>> probes;
+    for (const double width : {6.0, 15.0, 35.0}) {
+      for (const auto& [kept, about] : {std::pair{0.1, 0.0}, {0.9, 0.0}, {0.9, 1.0}}) {
+        std::vector<Probe> group;
+        for (std::size_t i = 0; i < scale_.wavelengths_nm.size(); ++i) {
+          Probe probe(parameters.size(), 0.0);
+          probe[i] = 1e-4;
+          probe[parameters.size() - 3] = width;
+          probe[parameters.size() - 2] = kept;
+          probe[parameters.size() - 1] = about;
+          group.push_back(std::move(probe));
+        }
+        probes.push_back(std::move(group));
+      }
+    }
+    add_family(EffectId::forward_lobe, "forward-lobe",
+               "A broad lobe about the mirror direction from below the surface, its strength by "
+               "wavelength (P11).",
+               "Li and Torrance 2005", std::move(parameters), std::move(probes));
+  }
+
   void reflectance() {
     add_family(EffectId::long_tails, "ggx",
                "Slopes with longer tails than a Gaussian's: part or all of the lobe has "
@@ -332,13 +364,7 @@ class Catalogue {
                {signed_number("weight", "1", "share of the second roughness", 0.1, 1),
                 shaping("slope_ratio", "1", "its slope over the first's", 0.2, 5)},
                alternatives(0.01, {0.4, 0.65, 1.5, 2.5}));
-    add_family(
-        EffectId::forward_lobe, "forward-lobe",
-        "A broad lobe about the mirror direction from below the surface.", "Li and Torrance 2005",
-        {signed_number("peak_per_sr", "1/sr", "height", 0.03, 10),
-         shaping("width_deg", "deg", "rms angle", 2, 60),
-         shaping("polarization", "1", "polarisation kept", 0, 1)},
-        {{{1e-4, 6, 0}}, {{1e-4, 15, 0}}, {{1e-4, 35, 0}}, {{1e-4, 15, 1}}, {{1e-4, 35, 1}}});
+    forward_lobe();
     spectral_family(EffectId::volume_diffuse, "beard-maxwell",
                     "Diffuse light from below that grows towards grazing, 2/(cos θi + cos θr).",
                     "Maxwell and Beard 1973", 0.02);

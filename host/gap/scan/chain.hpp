@@ -95,11 +95,11 @@ optics::Beam<T> turned(const optics::Beam<T>& beam, const T& towards_s, const T&
 }
 
 /// a·M·s·cos θr for one pair of directions.
-template <class T>
-T contracted(const Material<T>& material, const optics::Beam<T>& in, const optics::Beam<T>& out,
-             const T& tilt, const optics::Stokes<T>& source, const optics::Stokes<T>& detector,
+template <class T, class A>
+T contracted(const Material<T>& material, const optics::Beam<A>& in, const optics::Beam<A>& out,
+             const A& tilt, const optics::Stokes<T>& source, const optics::Stokes<T>& detector,
              const Switched<T>& on) {
-  const LocalGeometry<T> local = seen_from_sample(in, out, tilt);
+  const LocalGeometry<A> local = seen_from_sample(in, out, tilt);
   const optics::Mueller<T> m = sample_mueller(material, local.geometry, on);
   const optics::Stokes<T> entering(
       source[0], T(local.entry.cos2 * source[1] + local.entry.sin2 * source[2]),
@@ -113,55 +113,57 @@ T contracted(const Material<T>& material, const optics::Beam<T>& in, const optic
 }
 
 /// a·M·s·cos θr of a material, over the detector's disc and the beam's spread where these have one.
-template <class T>
-T reflected(const Material<T>& material, const Record& r, const Pose<T>& pose, bool bent,
+template <class T, class A>
+T reflected(const Material<T>& material, const Record& r, const Pose<A>& pose, bool bent,
             const optics::Stokes<T>& source, const optics::Stokes<T>& detector,
-            const Switched<T>& on) {
+            const Switched<T>& on, const Switched<A>& bending) {
   if (!bent) {
     // The commanded angles are the true ones: they carry no derivatives.
     const brdf::Geometry<double> geometry{r.theta_i, r.theta_r, r.phi_r};
     const optics::Mueller<T> m = sample_mueller(material, geometry, on);
     return optics::contract(detector, m, source) * std::cos(r.theta_r);
   }
-  const optics::Beam<T> in = optics::incident_beam(pose.theta_i);
-  const optics::Beam<T> out = optics::exit_beam(pose.theta_r, pose.phi_r);
-  const T* aperture = on[EffectId::finite_aperture];
-  const T* divergence = on[EffectId::beam_divergence];
+  const optics::Beam<A> in = optics::incident_beam(pose.theta_i);
+  const optics::Beam<A> out = optics::exit_beam(pose.theta_r, pose.phi_r);
+  const A* aperture = bending[EffectId::finite_aperture];
+  const A* divergence = bending[EffectId::beam_divergence];
   if (aperture == nullptr && divergence == nullptr)
     return contracted(material, in, out, pose.tilt_out_of_plane, source, detector, on);
 
   const double radian = optics::radians(1.0);
   // One rule for both: their spreads are far below the lobe's width, where second moments tell.
-  const auto spread = [&](const optics::Beam<T>& beam, const T& size, const HexagonRule& rule,
+  const auto spread = [&](const optics::Beam<A>& beam, const A& size, const HexagonRule& rule,
                           const auto& value) {
     T sum = rule.centre_weight * value(beam);
     for (int i = 0; i < 6; ++i) {
       const double angle = optics::pi / 3 * i;
-      sum += rule.ring_weight * value(turned(beam, T(size * (rule.radius * std::cos(angle))),
-                                             T(size * (rule.radius * std::sin(angle)))));
+      sum += rule.ring_weight * value(turned(beam, A(size * (rule.radius * std::cos(angle))),
+                                             A(size * (rule.radius * std::sin(angle)))));
     }
     return sum;
   };
-  const auto over_aperture = [&](const optics::Beam<T>& incident) {
-    const auto one = [&](const optics::Beam<T>& exit) {
+  const auto over_aperture = [&](const optics::Beam<A>& incident) {
+    const auto one = [&](const optics::Beam<A>& exit) {
       return contracted(material, incident, exit, pose.tilt_out_of_plane, source, detector, on);
     };
     if (aperture == nullptr) return one(out);
-    return spread(out, T(aperture[0] * (radian * r.iris_fraction)), disc_rule, one);
+    return spread(out, A(aperture[0] * (radian * r.iris_fraction)), disc_rule, one);
   };
   if (divergence == nullptr) return over_aperture(in);
-  return spread(in, T(divergence[0] * radian), gaussian_rule, over_aperture);
+  return spread(in, A(divergence[0] * radian), gaussian_rule, over_aperture);
 }
 
 /// What the record should read. `bent`: effects that move angles are among those switched on.
-template <class T>
-Lockin<T> record_signal(const Record& r, const ChainBase<T>& base, bool bent,
-                        const Switched<T>& on) {
+/// `bending` has the same effects as `on` with the scalar that angles are computed in: plain
+/// numbers where no derivative by an angle is asked for.
+template <class T, class A>
+Lockin<T> record_signal(const Record& r, const ChainBase<T>& base, bool bent, const Switched<T>& on,
+                        const Switched<A>& bending) {
   using std::acos;
   using std::cos;
   using std::exp;
   if (!r.shutter_open) return detected(T(0.0), r, on);
-  const Pose<T> pose = true_pose(r, on);
+  const Pose<A> pose = true_pose(r, bending);
   const optics::Stokes<T> source = source_stokes(r, pose, on);
   const optics::Stokes<T> detector = detector_stokes(r, pose, on);
 
@@ -169,9 +171,9 @@ Lockin<T> record_signal(const Record& r, const ChainBase<T>& base, bool bent,
   if (!r.sample_removed) {
     if (!r.long_pass) {
       const Material<T>& own = base.materials[r.wavelength];
-      light = reflected(own, r, pose, bent, source, detector, on);
+      light = reflected(own, r, pose, bent, source, detector, on, bending);
       const auto mix = [&](std::size_t other, const T& fraction) {
-        const T foreign = reflected(base.materials[other], r, pose, bent, source, detector, on);
+        const T foreign = reflected(base.materials[other], r, pose, bent, source, detector, on, bending);
         light += fraction * (foreign - light);
       };
       const auto wavelength_nm = [&](std::size_t i) {

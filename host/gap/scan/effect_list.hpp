@@ -64,6 +64,7 @@ constexpr std::size_t number(EffectId id) {
 template <class T>
 struct Switched {
   std::array<const T*, effect_count> values{};
+  std::size_t wavelengths = 0;  ///< of the scan: effects with a number for each begin with these
   const T* operator[](EffectId id) const { return values[number(id)]; }
 };
 

@@ -173,18 +173,22 @@ void ScanModel::make_observations() {
   }
 }
 
-template <class T>
+template <class T, class A>
 void ScanModel::evaluate(const Explanation& explanation, const std::vector<T>& values,
-                         std::size_t record, T& x, T& y, bool bent) const {
+                         const std::vector<A>& angles, std::size_t record, T& x, T& y,
+                         bool bent) const {
   const std::size_t wavelengths = source_.size();
   const std::size_t parameters = held_.size();
   const Record& r = records_.records[record];
   // The other wavelengths matter to effects that mix them only.
   bool mixes = false;
   Switched<T> on;
+  Switched<A> bending;
+  on.wavelengths = bending.wavelengths = wavelengths;
   std::size_t next = base_.size();
   for (std::size_t k = 0; k < explanation.effects.size(); ++k) {
     on.values[explanation.effects[k]] = &values[next];
+    bending.values[explanation.effects[k]] = &angles[next];
     next += explanation.alpha[k].size();
     mixes = mixes || explanation.effects[k] == number(EffectId::laser_crosstalk) ||
             explanation.effects[k] == number(EffectId::wavelength_error);
@@ -212,7 +216,7 @@ void ScanModel::evaluate(const Explanation& explanation, const std::vector<T>& v
   const ChainBase<T> base{std::span<const Material<T>>(materials).first(wavelengths),
                           std::span<const T>(values).first(wavelengths), records_.gain_constant_v,
                           records_.solid_angle_sr};
-  const Lockin<T> out = record_signal(r, base, bent, on);
+  const Lockin<T> out = record_signal(r, base, bent, on, bending);
   x = out.x;
   y = out.y;
 }
@@ -235,7 +239,8 @@ void ScanModel::predict(const Explanation& explanation, Eigen::VectorXd& mean,
   mean.resize(2 * n);
   if (jacobian == nullptr) {
     for (Eigen::Index i = 0; i < n; ++i)
-      evaluate(explanation, values, used_[static_cast<std::size_t>(i)], mean[i], mean[n + i], bent);
+      evaluate(explanation, values, values, used_[static_cast<std::size_t>(i)], mean[i],
+               mean[n + i], bent);
     return;
   }
   jacobian->setZero(2 * n, static_cast<Eigen::Index>(values.size()));
@@ -244,7 +249,8 @@ void ScanModel::predict(const Explanation& explanation, Eigen::VectorXd& mean,
   for (const std::size_t e : explanation.effects)
     mixes =
         mixes || e == number(EffectId::laser_crosstalk) || e == number(EffectId::wavelength_error);
-  // Parameters that a record of each wavelength depends on.
+  // Parameters that a record of each wavelength depends on; the effects' own come last, for they
+  // may turn angles, which the base's never do.
   std::vector<std::vector<std::size_t>> active(wavelengths);
   for (std::size_t w = 0; w < wavelengths; ++w) {
     std::vector<bool> there(values.size(), false);
@@ -258,16 +264,23 @@ void ScanModel::predict(const Explanation& explanation, Eigen::VectorXd& mean,
       if (there[i]) active[w].push_back(i);
   }
   std::vector<Dual> dual(values.size());
+  const auto turning = static_cast<std::size_t>(
+      std::count(fitted.begin() + static_cast<std::ptrdiff_t>(base_.size()), fitted.end(), true));
   for (Eigen::Index i = 0; i < n; ++i) {
     const std::size_t record = used_[static_cast<std::size_t>(i)];
     const auto& list = active[records_.records[record].wavelength];
-    for (std::size_t first = 0; first < list.size(); first += lanes) {
-      const std::size_t last = std::min(list.size(), first + lanes);
+    const std::size_t own = list.size() - turning;
+    for (std::size_t first = 0; first < list.size();) {
+      const std::size_t last = std::min(first < own ? own : list.size(), first + lanes);
       for (std::size_t k = 0; k < values.size(); ++k) dual[k] = Dual(values[k]);
       for (std::size_t k = first; k < last; ++k)
         dual[list[k]].v[static_cast<Eigen::Index>(k - first)] = 1;
       Dual x, y;
-      evaluate(explanation, dual, record, x, y, bent);
+      if (first < own) {
+        evaluate(explanation, dual, values, record, x, y, bent);
+      } else {
+        evaluate(explanation, dual, dual, record, x, y, bent);
+      }
       mean[i] = x.a;
       mean[n + i] = y.a;
       for (std::size_t k = first; k < last; ++k) {
@@ -276,6 +289,7 @@ void ScanModel::predict(const Explanation& explanation, Eigen::VectorXd& mean,
         (*jacobian)(n + i, static_cast<Eigen::Index>(list[k])) =
             y.v[static_cast<Eigen::Index>(k - first)];
       }
+      first = last;
     }
   }
 }

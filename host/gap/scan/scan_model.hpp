@@ -42,9 +42,10 @@ class ScanModel : public ForwardModel {
 
  private:
   void make_observations();
-  template <class T>
-  void evaluate(const Explanation& explanation, const std::vector<T>& values, std::size_t record,
-                T& x, T& y, bool bent) const;
+  /// Signal of a record. `angles`: the same values in the scalar that angles are computed in.
+  template <class T, class A>
+  void evaluate(const Explanation& explanation, const std::vector<T>& values,
+                const std::vector<A>& angles, std::size_t record, T& x, T& y, bool bent) const;
 
   ScanRecords records_;
   std::vector<std::size_t> used_;  ///< numbers of the records that count

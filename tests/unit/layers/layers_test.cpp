@@ -23,6 +23,7 @@ const std::map<std::string, std::set<std::string>> allowed = {
     {"firmware", {"protocol"}},
     {"boards/native", {"protocol", "firmware"}},
     {"host/errors", {}},
+    {"host/parallel", {}},
     {"host/toml", {"host/errors"}},
     {"host/optics", {"host/errors"}},
     {"host/brdf", {"host/errors", "host/optics"}},
@@ -32,7 +33,7 @@ const std::map<std::string, std::set<std::string>> allowed = {
     {"host/calibrate", {"host/errors", "host/toml", "host/optics", "host/brdf", "host/formats"}},
     {"host/invert", {"host/errors", "host/optics", "host/brdf", "host/formats"}},
     // The engine of the diagnosis knows no forward model; its adapters do.
-    {"host/gap/engine", {"host/errors"}},
+    {"host/gap/engine", {"host/errors", "host/parallel"}},
     {"host/gap/answer", {"host/errors", "host/gap/engine"}},
     {"host/gap/pointing", {"host/errors", "host/formats", "host/gap/engine"}},
     {"host/gap/scan",

@@ -9,20 +9,20 @@
 namespace umov::gap::scan {
 
 /// Light behind the polariser at unit power.
-template <class T>
-optics::Stokes<T> source_stokes(const Record& r, const Pose<T>& pose, const Switched<T>& on) {
+template <class T, class A>
+optics::Stokes<T> source_stokes(const Record& r, const Pose<A>& pose, const Switched<T>& on) {
   using std::cos;
   using std::sin;
   if (r.polarizer_open) return {T(1.0), T(0.0), T(0.0), T(0.0)};
   T purity(1.0);
   if (const T* p = on[EffectId::polarizer_leakage]) purity = (1.0 - p[0]) / (1.0 + p[0]);
-  const T twice = 2.0 * pose.polarizer;
+  const A twice = 2.0 * pose.polarizer;
   return {T(1.0), T(-purity * cos(twice)), T(purity * sin(twice)), T(0.0)};
 }
 
 /// Row vector of analyser and detector: the signal is its product with the light's Stokes vector.
-template <class T>
-optics::Stokes<T> detector_stokes(const Record& r, const Pose<T>& pose, const Switched<T>& on) {
+template <class T, class A>
+optics::Stokes<T> detector_stokes(const Record& r, const Pose<A>& pose, const Switched<T>& on) {
   using std::cos;
   using std::sin;
   const T* bias = on[EffectId::detector_polarization_bias];
@@ -32,9 +32,9 @@ optics::Stokes<T> detector_stokes(const Record& r, const Pose<T>& pose, const Sw
   }
   T leaked(0.0);
   if (const T* p = on[EffectId::analyzer_leakage]) leaked = p[0];
-  const T twice = 2.0 * pose.analyzer;
-  const T along_s = -cos(twice);
-  const T u = sin(twice);
+  const A twice = 2.0 * pose.analyzer;
+  const A along_s = -cos(twice);
+  const A u = sin(twice);
   // Power passed in the axis and, by the extinction ratio, in the crossed one; the detector weighs
   // each with its preference.
   T through(0.5), across = 0.5 * leaked;

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "host/brdf/evaluate.hpp"
+#include "host/brdf/li_torrance.hpp"
 #include "host/gap/scan/effect_list.hpp"
 #include "host/gap/scan/effects/footprint.hpp"
 
@@ -118,10 +119,19 @@ optics::Mueller<T> sample_mueller(const Material<T>& material, const brdf::Geome
     m[2][2] -= e[material.wavelength];
   }
   if (const T* e = on[EffectId::forward_lobe]) {
-    const T width = e[1] * optics::radians(1.0);
-    const T lobe = e[0] * exp(T(-0.5 * f.chord2 / (width * width)));
-    brdf::FacetMatrix<T> matrix{lobe, T(0.0), T(e[2] * lobe), T(-e[2] * lobe), T(0.0)};
-    brdf::add_facet(m, matrix, f);
+    // Heights by wavelength, then width, kept polarisation (P11) and what it is kept about.
+    const T width = e[on.wavelengths] * optics::radians(1.0);
+    const T lobe =
+        e[material.wavelength] * exp(T(-0.5 * brdf::squared_angle(f.chord2) / (width * width)));
+    const T kept = e[on.wavelengths + 1] * lobe;
+    if (optics::value_of(e[on.wavelengths + 2]) < 0.5) {
+      brdf::add_facet(m, brdf::FacetMatrix<T>{lobe, T(0.0), kept, T(-kept), T(0.0)}, f);
+    } else {
+      m[0][0] += lobe;
+      m[1][1] += kept;
+      m[2][2] -= kept;
+      m[3][3] -= kept;
+    }
   }
   if (const T* e = on[EffectId::retroreflection_peak]) {
     const T width = e[1] * optics::radians(1.0);
