@@ -20,7 +20,7 @@ case "${1:-}" in
   models) /usr/bin/python3 tools/studies/models.py -o docs/models.md "${@:2}" ;;
   "")
     "$umov" study
-    echo "coverage         do the 95 % intervals of the inversion hold the truth? (100 seeds, some minutes; --seeds 500)"
+    echo "coverage         do the 95 % intervals of the inversion hold the truth? (100 seeds, some ten minutes; --seeds 500 --keep FOLDER)"
     echo "dolp             degree of linear polarisation of four paints in the mirror direction (seconds)"
     echo "models           energy, reciprocity and sampling of every model of the library"
     ;;

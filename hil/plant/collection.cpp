@@ -22,17 +22,26 @@ struct SampleFrame {
   Beam into(const Beam& b) const { return {into(b.s), into(b.p), into(b.k)}; }
 };
 
-SampleFrame sample_frame(const MountConfig& mount, const Setup& setup) {
+SampleFrame sample_frame(const MountConfig& mount, const Setup& setup, double theta_i) {
   // The tilt turns with the sample: it belongs to how the sample lies on its plate.
   const double turn = optics::radians(setup.sample_azimuth_deg);
   const double a = optics::radians(mount.tilt_in_plane_deg);
   const double b = optics::radians(mount.tilt_out_of_plane_deg);
-  const double tilt_x = a * std::cos(turn) - b * std::sin(turn);
+  // The plate itself bends under gravity, however the sample lies on it.
+  const double sag = optics::radians(mount.sag_deg) * std::sin(theta_i);
+  const double tilt_x = a * std::cos(turn) - b * std::sin(turn) + sag;
   const double tilt_y = a * std::sin(turn) + b * std::cos(turn);
   const Vec3 z(std::sin(tilt_x) * std::cos(tilt_y), std::sin(tilt_y),
                std::cos(tilt_x) * std::cos(tilt_y));
-  const Vec3 x(std::cos(tilt_x), 0.0, -std::sin(tilt_x));
+  Vec3 x(std::cos(tilt_x), 0.0, -std::sin(tilt_x));
+  if (turn != 0.0) x = std::cos(turn) * x + std::sin(turn) * optics::cross(z, x);
   return {x, optics::cross(z, x), z};
+}
+
+/// A beam deviated towards the p and the s axis of its basis.
+Beam steered(const Beam& beam, double towards_p, double towards_s) {
+  const double angle = std::hypot(towards_p, towards_s);
+  return angle == 0.0 ? beam : tilted(beam, angle, std::atan2(towards_p, towards_s));
 }
 
 double angle_between(const Vec3& a, const Vec3& b) {
@@ -70,14 +79,20 @@ double stray_per_sr(const CollectionConfig& config, const Vec3& k_r) {
 
 Throughput collect(const Sample& sample, const PlantConfig& config, const Setup& setup,
                    const Geometry& geometry, double wavelength_nm, double line_width_nm) {
-  const Beam in = optics::incident_beam(geometry.theta_i);
-  const Beam out = optics::exit_beam(geometry.theta_r, geometry.phi_r);
-  const SampleFrame frame = sample_frame(config.mount, setup);
+  const Beam in =
+      steered(optics::incident_beam(geometry.theta_i), geometry.steer_in_p, geometry.steer_in_s);
+  const Beam out = steered(optics::exit_beam(geometry.theta_r, geometry.phi_r),
+                           geometry.steer_out_p, geometry.steer_out_s);
+  const SampleFrame frame = sample_frame(config.mount, setup, geometry.theta_i);
   const CollectionConfig& optics_config = config.collection;
   const double iris = setup.iris_fraction;
   const double half_angle = optics::radians(optics_config.half_angle_deg) * iris;
   const double divergence = optics::radians(config.beam.divergence_rms_deg);
   const double solid_angle = optics_config.solid_angle_sr * iris * iris;
+
+  // What the detector is open to: as a point it still stands for the aperture's solid angle.
+  const double acceptance =
+      half_angle > 0.0 ? half_angle : std::acos(1.0 - solid_angle / (2.0 * pi));
 
   Throughput result{optics::zero_mueller<double>(), optics::zero_mueller<double>()};
   if (!setup.sample_removed) {
@@ -100,9 +115,15 @@ Throughput collect(const Sample& sample, const PlantConfig& config, const Setup&
                         value(in, out, wavelength_nm);
     }
 
+    if (config.ghost.share > 0.0) {
+      const Beam ghost = steered(out, -optics::radians(config.ghost.angle_deg), 0.0);
+      result.diffuse += config.ghost.share * value(in, ghost, wavelength_nm);
+    }
+    const Beam local_out = frame.into(out);
+    result.emitted =
+        std::max(0.0, local_out.k.z) * sample.emission(frame.into(in), local_out, wavelength_nm);
+
     const Vec3 mirror_k = in.k - 2.0 * optics::dot(in.k, frame.z) * frame.z;
-    const double acceptance =
-        half_angle > 0.0 ? half_angle : std::acos(1.0 - solid_angle / (2.0 * pi));
     const double off_axis = angle_between(mirror_k, out.k);
     if (off_axis < acceptance + 10.0 * divergence) {
       const double share = gaussian_in_disc(divergence, off_axis, acceptance);
@@ -117,11 +138,12 @@ Throughput collect(const Sample& sample, const PlantConfig& config, const Setup&
   const double losses = setup.sample_removed ? 1.0 : spot_losses(config, geometry);
   double open = 1.0;
   if (optics_config.retro_half_angle_deg > 0.0) {
-    open -= disc_overlap(half_angle, optics::radians(optics_config.retro_half_angle_deg),
+    open -= disc_overlap(acceptance, optics::radians(optics_config.retro_half_angle_deg),
                          angle_between(out.k, Vec3(-in.k.x, -in.k.y, -in.k.z)));
   }
   result.diffuse *= losses * open;
   result.mirror *= losses * open;
+  result.emitted *= losses * open * solid_angle;
   const double stray = stray_per_sr(optics_config, out.k);
   optics::set_element(result.diffuse, 0, 0, optics::element(result.diffuse, 0, 0) + stray * open);
   result.diffuse *= solid_angle;

@@ -64,6 +64,21 @@ Mueller DiffuserSample::brdf(const Beam& in, const Beam& out, double wavelength_
   return m;
 }
 
+double DiffuserSample::slope_rms() const {
+  return parameters_.surface > 0.0 ? parameters_.surface_slope : 0.0;
+}
+
+double DiffuserSample::surface_index(double) const {
+  return parameters_.surface_n;
+}
+
+std::shared_ptr<const Sample> DiffuserSample::with_slopes(double factor) const {
+  if (parameters_.surface == 0.0) return nullptr;
+  DiffuserParameters changed = parameters_;
+  changed.surface_slope *= factor;
+  return std::make_shared<DiffuserSample>(name_, std::move(changed));
+}
+
 std::vector<Truth> DiffuserSample::truth(double wavelength_nm) const {
   return {{"dhr", parameters_.dhr.at(wavelength_nm), "1"},
           {"roll_off", parameters_.roll_off, "1"},

@@ -30,6 +30,9 @@ class DiffuserSample final : public Sample {
   const std::string& name() const override { return name_; }
   Mueller brdf(const Beam& in, const Beam& out, double wavelength_nm) const override;
   std::vector<Truth> truth(double wavelength_nm) const override;
+  double slope_rms() const override;
+  double surface_index(double wavelength_nm) const override;
+  std::shared_ptr<const Sample> with_slopes(double factor) const override;
 
  private:
   double volume_norm(double wavelength_nm) const;

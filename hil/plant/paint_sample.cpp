@@ -124,6 +124,30 @@ std::vector<Truth> PaintSample::truth(double wavelength_nm) const {
           {"fs_polarization", parameters_.fs_polarization.at(wavelength_nm), "1"}};
 }
 
+double PaintSample::slope_rms() const {
+  return std::sqrt(2.0) * parameters_.sigma_um / parameters_.tau_um;
+}
+
+double PaintSample::surface_index(double wavelength_nm) const {
+  return parameters_.n.at(wavelength_nm);
+}
+
+std::shared_ptr<const Sample> PaintSample::with_slopes(double factor) const {
+  PaintParameters changed = parameters_;
+  changed.tau_um /= factor;
+  return std::make_shared<PaintSample>(name_, std::move(changed));
+}
+
+std::shared_ptr<const Sample> PaintSample::immersed(double medium_n) const {
+  // Inside the medium waves are shorter: the same as a surface that is larger by its index.
+  PaintParameters changed = parameters_;
+  changed.n = parameters_.n.scaled(1.0 / medium_n);
+  changed.kappa = parameters_.kappa.scaled(1.0 / medium_n);
+  changed.sigma_um *= medium_n;
+  changed.tau_um *= medium_n;
+  return std::make_shared<PaintSample>(name_, std::move(changed));
+}
+
 double PaintSample::feature_width_rad() const {
   // An exit-direction lobe is twice as wide as the slopes.
   return std::min(2.0 * parameters_.sigma_um / parameters_.tau_um * std::sqrt(2.0), fs_width_rad_);

@@ -38,6 +38,10 @@ class PaintSample final : public Sample {
   Mueller mirror(const Beam& in, const Beam& out, double wavelength_nm) const override;
   std::vector<Truth> truth(double wavelength_nm) const override;
   double feature_width_rad() const override;
+  double slope_rms() const override;
+  double surface_index(double wavelength_nm) const override;
+  std::shared_ptr<const Sample> with_slopes(double factor) const override;
+  std::shared_ptr<const Sample> immersed(double medium_n) const override;
 
  private:
   std::string name_;

@@ -44,6 +44,11 @@ void add_axis(Collector& c, AxisErrors& a) {
   c.add("gear_cycles", a.gear_cycles, 0, 1000, "1", "cycles a motor turn");
   c.add("gear_ratio", a.gear_ratio, 1, 10000, "1", "motor turns a stage turn");
   c.add("standstill_deg", a.standstill_deg, 0, 1, "deg", "rms random offset, new at each arrival");
+  c.add("windup_deg", a.windup_deg, -10, 10, "deg", "elastic lag that builds up after a reversal");
+  c.add("windup_travel_deg", a.windup_travel_deg, 0.01, 360, "deg",
+        "travel over which it builds up");
+  c.add("slip_deg", a.slip_deg, -30, 30, "deg", "the coupling slips by this, once");
+  c.add("slip_time_s", a.slip_time_s, 0, 1e6, "s", "in the first move after this moment");
 }
 
 void add_laser(Collector& c, LaserConfig& l) {
@@ -65,6 +70,8 @@ void add_laser(Collector& c, LaserConfig& l) {
   c.add("unseen_noise", l.unseen_noise, 0, 1, "1", "rms slow (1/f) noise that the monitor misses");
   c.add("sample_noise", l.sample_noise, 0, 1, "1",
         "rms white power noise an ADC sample, seen by it");
+  c.add("jitter", l.jitter, 0, 1, "1",
+        "rms noise that the monitor misses, new every 128 ADC samples");
   c.add("polarization", l.polarization, 0, 1, "1", "degree of polarisation before the polariser");
   c.add("polarization_deg", l.polarization_deg, -180, 180, "deg", "its axis, from p towards s");
   c.add("crosstalk_from_532", l.crosstalk_from[0], 0, 1, "1",
@@ -73,6 +80,9 @@ void add_laser(Collector& c, LaserConfig& l) {
         "share of the 633 nm laser in this beam");
   c.add("crosstalk_from_814", l.crosstalk_from[2], 0, 1, "1",
         "share of the 814 nm laser in this beam");
+  c.add("filter_diattenuation", l.filter_diattenuation, 0, 0.99, "1",
+        "wrong filter before the detector: (1+d)/(1-d) along over across");
+  c.add("filter_axis_deg", l.filter_axis_deg, -180, 180, "deg", "its axis, from p towards s");
 }
 
 void add_collection(Collector& c, CollectionConfig& o) {
@@ -86,6 +96,65 @@ void add_collection(Collector& c, CollectionConfig& o) {
   c.add("stray_forward_width_deg", o.stray_forward_width_deg, 0.1, 90, "deg", "rms angle of it");
   c.add("retro_half_angle_deg", o.retro_half_angle_deg, 0, 45, "deg",
         "optics that block the retro direction");
+  c.add("window_retardance_deg", o.window_retardance_deg, -180, 180, "deg",
+        "strained window before the analyser");
+  c.add("window_axis_deg", o.window_axis_deg, -180, 180, "deg", "its fast axis, from p towards s");
+}
+
+void add_polarizer(Collector& c, PolarizerConfig& p) {
+  c.add("extinction", p.extinction, 0, 1, "1", "power ratio crossed/parallel");
+  c.add("wedge_deg", p.wedge_deg, -5, 5, "deg", "deviation towards the axis; turns with it");
+}
+
+void add_surroundings(Collector& c, PlantConfig& p) {
+  c.enter("ghost.");
+  c.add("share", p.ghost.share, 0, 1, "1", "filter ghost: share of light from another direction");
+  c.add("angle_deg", p.ghost.angle_deg, -45, 45, "deg", "that direction, forward of the detector");
+  c.enter("modulation.");
+  c.add("jitter_deg", p.modulation.jitter_deg, 0, 90, "deg",
+        "rms phase noise of the light, new every 128 ADC samples");
+  c.add("wander_deg", p.modulation.wander_deg, -90, 90, "deg", "slow swing of the light's phase");
+  c.add("wander_period_s", p.modulation.wander_period_s, 1, 1e6, "s", "its period");
+  c.enter("daylight.");
+  c.add("level_v", p.daylight.level_v, 0, 100, "V", "unmodulated light at its brightest");
+  c.add("compression_per_v", p.daylight.compression_per_v, 0, 10, "1/V",
+        "S/(1 + kappa S) for signal and daylight together");
+  c.add("period_s", p.daylight.period_s, 1, 1e6, "s", "of the clouds");
+  c.enter("humidity.");
+  c.add("slope_change", p.humidity.slope_change, -0.9, 10, "1",
+        "relative change of the surface's slopes when humid");
+  c.add("period_s", p.humidity.period_s, 1, 1e6, "s", "from dry to dry");
+}
+
+void add_surface(Collector& c, PlantConfig& p) {
+  c.enter("dust.");
+  c.add("optical_depth_633", p.dust.optical_depth_633, 0, 10, "1",
+        "at 633 nm, goes with 1/wavelength");
+  c.add("g", p.dust.g, -0.99, 0.99, "1", "mean cosine of the scattering angle");
+  c.add("single_scattering_albedo", p.dust.single_scattering_albedo, 0, 1, "1",
+        "scattered share of the extinction");
+  c.enter("film.");
+  c.add("coverage", p.film.coverage, 0, 1, "1", "share of the sample under a film of water");
+  c.add("slope_rms", p.film.slope_rms, 0.002, 1, "1", "1-D rms slope of the film's own surface");
+  c.enter("drops.");
+  c.add("coverage", p.drops.coverage, 0, 1, "1", "share of the sample under drops of water");
+  c.add("contact_angle_deg", p.drops.contact_angle_deg, 1, 90, "deg", "of the spherical caps");
+  c.enter("marks.");
+  MarksConfig& m = p.marks;
+  c.add("lobe_weight", m.lobe_weight, 0, 1, "1", "near-specular lobe: share of a smoother surface");
+  c.add("lobe_slope", m.lobe_slope, 0.001, 1, "1", "its 1-D rms slope");
+  c.add("retro_peak_per_sr", m.retro_peak_per_sr, 0, 100, "1/sr", "retroreflection peak");
+  c.add("retro_width_deg", m.retro_width_deg, 0.01, 30, "deg", "rms angle of it");
+  c.add("fluorescence_yield_532", m.fluorescence_yield_532, 0, 1, "1",
+        "light emitted at longer wavelengths, as an albedo");
+  c.add("fringe_contrast", m.fringe_contrast, 0, 1, "1", "interference in a clear coat");
+  c.add("fringe_thickness_um", m.fringe_thickness_um, 0.1, 1000, "um", "thickness of the coat");
+  c.add("gradient_per_mm", m.gradient_per_mm, -1, 1, "1/mm",
+        "relative change of the reflectance along the plate");
+  c.add("beam_offset_mm", m.beam_offset_mm, -20, 20, "mm",
+        "the beam meets the plate at this over cos(theta_i)");
+  c.enter("speckle.");
+  c.add("contrast", p.speckle.contrast, 0, 1, "1", "standard deviation over mean of the light");
 }
 
 void add_electronics(Collector& c, PlantConfig& p) {
@@ -110,12 +179,15 @@ void add_electronics(Collector& c, PlantConfig& p) {
   c.add("pickup_y_fraction", a.pickup_y_fraction, -100, 100, "1", "Y over X of it");
   c.add("pedestal_adc_v", a.pedestal_adc_v, 0, 1, "V",
         "amplitude A at the ADC becomes hypot(A, p)");
+  c.add("motor_pickup_v", a.motor_pickup_v, -1, 1, "V",
+        "X from the arm motor's current, times sin of the arm's angle");
   c.add("settle_v", a.settle_v, -3, 3, "V", "step at the ADC after a change of range");
   c.add("settle_tau_s", a.settle_tau_s, 1e-6, 10, "s", "its decay time");
   c.enter("adc.");
   c.add("full_scale_v", p.adc.full_scale_v, 0.1, 100, "V", "voltage of 4096 codes");
   c.enter("shutter.");
   c.add("travel_s", p.shutter.travel_s, 0, 10, "s", "from closed to open and back");
+  c.add("leak", p.shutter.leak, 0, 1, "1", "share of the light that passes when closed");
 }
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -157,9 +229,9 @@ std::vector<Parameter> parameters(PlantConfig& config) {
   c.add("over_sample", config.beam.over_sample, 0, 10, "1",
         "beam radius over sample radius; 0 = all light lands");
   c.enter("polarizer.");
-  c.add("extinction", config.polarizer.extinction, 0, 1, "1", "power ratio crossed/parallel");
+  add_polarizer(c, config.polarizer);
   c.enter("analyzer.");
-  c.add("extinction", config.analyzer.extinction, 0, 1, "1", "power ratio crossed/parallel");
+  add_polarizer(c, config.analyzer);
   c.enter("filter.");
   c.add("density_error", config.filter.density_error, -0.9, 10, "1",
         "relative error of optical densities");
@@ -179,9 +251,13 @@ std::vector<Parameter> parameters(PlantConfig& config) {
         "> 0 leans the normal to +x");
   c.add("tilt_out_of_plane_deg", config.mount.tilt_out_of_plane_deg, -30, 30, "deg",
         "> 0 leans it to +y");
+  c.add("sag_deg", config.mount.sag_deg, -5, 5, "deg",
+        "bends with the incidence: further lean to +x times sin(theta_i)");
   c.enter("collection.");
   add_collection(c, config.collection);
   add_electronics(c, config);
+  add_surroundings(c, config);
+  add_surface(c, config);
   return list;
 }
 

@@ -9,6 +9,11 @@
 //     X = C_λ · f · cos θr · ΔΩ · M,    Y = 0,
 // M the fundamental of the monitor signal; a mirror in the mirror direction gives X = C_λ · R · M
 // (P7).
+//
+// Speckle: coherent light on a rough sample, of which the aperture collects many grains; their sum
+// follows a gamma distribution whose contrast is one over the root of their number (J. W. Goodman,
+// Speckle Phenomena in Optics, 2007, ch. 4). A pattern belongs to a sample's place, wavelength,
+// geometry and polarisation state: it comes back with them, and changes when the sample is shifted.
 #pragma once
 
 #include <array>
@@ -18,6 +23,7 @@
 #include <vector>
 
 #include "hil/plant/collection.hpp"
+#include "hil/plant/collection_memory.hpp"
 #include "hil/plant/laser_power.hpp"
 #include "hil/plant/plant_config.hpp"
 #include "hil/plant/polarization.hpp"
@@ -50,6 +56,9 @@ class Plant {
 
   /// One step pulse; direction +1 or -1.
   void step(int axis, int direction, double time_s);
+  /// Many step pulses of one sense: the motor turns until it has made `target` steps from the home
+  /// edge.
+  void turn_to(int axis, std::int64_t target_steps, double time_s);
   AxisSwitches switches(int axis) const;
   /// Laser enables 0..2. The open interlock cuts the light whatever is commanded.
   void set_laser(int laser, bool on, double time_s);
@@ -67,12 +76,15 @@ class Plant {
   // --- what a person at the instrument does ---
 
   void set_interlock(bool closed) { interlock_closed_ = closed; }
+  /// What dust, water and marks the configuration names lie on the sample that the instrument was
+  /// set up with; another one (a white tile) is clean.
   void place_sample(std::shared_ptr<const Sample> sample);
   void arrange(const Setup& setup);
 
   // --- the truth, for tests and for sealed answers ---
 
   const PlantConfig& config() const { return config_; }
+  /// With all that lies on it.
   const Sample& sample_on_stage() const { return *sample_; }
   /// Angle of an axis at which the optics really stand, degrees.
   double true_angle_deg(int axis) const;
@@ -83,20 +95,30 @@ class Plant {
  private:
   struct Beams;
 
-  void geometry_changed();
-  const Throughput& throughput(int laser) const;
+  void stage_moved(int axis);
+  void set_sample(std::shared_ptr<const Sample> clean);
+  Geometry geometry() const;
+  Throughput throughput(int laser, double time_s) const;
+  double speckle(int laser) const;
+  double humidity(double time_s) const;
+  double phase_wander_deg(double time_s) const;
+  double motor_pickup_v() const;
   Stokes beam_behind_filter(int laser, double time_s) const;
   Beams beams_at(double time_s) const;
   double filter_transmittance() const;
   double long_pass_transmittance(int laser) const;
+  Stokes detection_row(int laser) const;
   double shutter_opening(double time_s) const;
   double gain_at_adc() const;
 
   PlantConfig config_;
   std::vector<Stage> stages_;
-  std::shared_ptr<const Sample> sample_;
+  std::shared_ptr<const Sample> own_sample_;  ///< as given, clean
+  std::shared_ptr<const Sample> sample_;      ///< on the stage, coated
+  std::shared_ptr<const Sample> humid_;  ///< the same, swollen; null where that changes nothing
   std::vector<LaserPower> power_;
   std::uint64_t noise_seed_;
+  std::uint64_t speckle_seed_;
   Setup setup_;
 
   std::array<bool, laser_count> laser_on_{};
@@ -107,9 +129,9 @@ class Plant {
   double range_changed_s_ = -1e9;
   std::uint32_t phase_step_ = 0;
 
-  /// Filled on demand, emptied when the geometry changes.
-  mutable std::array<Throughput, laser_count> throughput_{};
-  mutable std::array<bool, laser_count> throughput_known_{};
+  /// Filled on demand; the present entries are looked up again when the geometry changes.
+  mutable CollectionMemory memory_;
+  mutable std::array<const CollectionMemory::Entry*, laser_count> present_{};
 };
 
 }  // namespace umov::plant

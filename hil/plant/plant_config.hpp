@@ -34,6 +34,11 @@ struct AxisErrors {
   double gear_cycles = 4.0;     ///< cycles per motor turn
   double gear_ratio = 180.0;    ///< motor turns per stage turn
   double standstill_deg = 0.0;  ///< rms of a random offset drawn anew at each arrival
+  /// Elastic wind-up of the drive: after a reversal the stage lags more and more, up to this angle.
+  double windup_deg = 0.0;
+  double windup_travel_deg = 5.0;  ///< travel over which it builds up (1 - 1/e)
+  double slip_deg = 0.0;     ///< the coupling slips by this angle, once, in the first move …
+  double slip_time_s = 0.0;  ///< … after this moment
 };
 
 /// One laser with its fibre, polarisation and detection chain.
@@ -53,11 +58,18 @@ struct LaserConfig {
   double unseen_noise =
       0.0;  ///< rms slow noise of the sample's light that the monitor misses (pointing)
   double sample_noise = 0.0;  ///< rms power noise per ADC sample, white, seen by the monitor
+  /// rms noise of the sample's light that the monitor misses (pointing, air), drawn anew every 128
+  /// ADC samples: white up to some 400 Hz at 100 kS/s.
+  double jitter = 0.0;
   double polarization =
       0.0;  ///< degree of linear polarisation before the polariser; 0 = unpolarised
   double polarization_deg = 0.0;  ///< its axis, from p towards s
   /// Share of the other lasers' light in this laser's beam, relative to their full power.
   std::array<double, laser_count> crosstalk_from = {0.0, 0.0, 0.0};
+  /// A wrong or tilted filter before the detector at this wavelength alone: it passes (1 + d)/(1 -
+  /// d) as much light along its axis as across.
+  double filter_diattenuation = 0.0;
+  double filter_axis_deg = 90.0;  ///< from p towards s
 };
 
 /// The beam between source and sample.
@@ -69,6 +81,9 @@ struct BeamConfig {
 /// Polariser or analyser. Axis errors are the axis' own.
 struct PolarizerConfig {
   double extinction = 0.0;  ///< power ratio crossed/parallel
+  /// Deviation by a wedge that turns with the carrier, towards the transmission axis; the
+  /// polariser's steers the beam, the analyser's the detector's line of sight. None when open.
+  double wedge_deg = 0.0;
 };
 
 struct FilterConfig {
@@ -93,6 +108,9 @@ struct MonitorConfig {
 struct MountConfig {
   double tilt_in_plane_deg = 0.0;      ///< > 0 leans the sample's normal to +x
   double tilt_out_of_plane_deg = 0.0;  ///< > 0 leans it to +y
+  /// The plate bends under its own weight as the incidence stage turns: a further lean to +x of
+  /// this times sin θi, whichever way the sample lies on it.
+  double sag_deg = 0.0;
 };
 
 /// What the detector's optics collect.
@@ -106,6 +124,36 @@ struct CollectionConfig {
   double stray_forward_width_deg = 10.0;  ///< rms angle of it
   double retro_half_angle_deg =
       0.0;  ///< half-angle of the source optics that block the retro direction
+  /// A strained window before the analyser: linear retardance and its fast axis, from p towards s.
+  double window_retardance_deg = 0.0;
+  double window_axis_deg = 45.0;
+};
+
+/// Second image by reflections inside the interference filter before the detector.
+struct GhostConfig {
+  double share = 0.0;      ///< of the light that comes in …
+  double angle_deg = 6.0;  ///< … from this angle forward of the detector's direction
+};
+
+/// Wander and jitter of the modulation against the reference, the same in signal and monitor.
+struct ModulationConfig {
+  double jitter_deg = 0.0;       ///< rms phase noise, drawn anew every 128 ADC samples
+  double wander_deg = 0.0;       ///< amplitude of a slow swing
+  double wander_period_s = 900;  ///< its period
+};
+
+/// Unmodulated daylight on the photodiode: the lock-in does not see it, the photodiode's operating
+/// point does.
+struct DaylightConfig {
+  double level_v = 0.0;            ///< at its brightest, in volts of range 1
+  double compression_per_v = 0.0;  ///< κ of S/(1 + κS) for signal and daylight together
+  double period_s = 1200;          ///< of the clouds
+};
+
+/// Humid air comes and goes and swells the sample's surface.
+struct HumidityConfig {
+  double slope_change = 0.0;  ///< relative change of the surface's slopes at the most humid moment
+  double period_s = 5400;     ///< from dry to dry
 };
 
 struct DetectorConfig {
@@ -126,8 +174,11 @@ struct AmplifierConfig {
   double pickup_v = 0.0;  ///< X that is there without light (modulation picked up electrically)
   double pickup_y_fraction = 0.0;  ///< its Y over its X
   double pedestal_adc_v = 0.0;     ///< amplitude A at the ADC becomes √(A² + p²)
-  double settle_v = 0.0;           ///< step at the ADC after a change of range, decaying …
-  double settle_tau_s = 0.002;     ///< … with this time constant
+  /// The arm motor's current coupled into the input: it holds the arm's weight, so it goes with the
+  /// sine of the arm's angle.
+  double motor_pickup_v = 0.0;
+  double settle_v = 0.0;        ///< step at the ADC after a change of range, decaying …
+  double settle_tau_s = 0.002;  ///< … with this time constant
 };
 
 struct AdcConfig {
@@ -136,6 +187,44 @@ struct AdcConfig {
 
 struct ShutterConfig {
   double travel_s = 0.0;  ///< time from closed to open and back
+  double leak = 0.0;      ///< share of the light that passes when closed
+};
+
+/// Layer of dust on the sample: see dust_layer.hpp.
+struct DustConfig {
+  double optical_depth_633 = 0.0;  ///< extinction at normal passage and 633 nm; ∝ 1/wavelength
+  double g = 0.6;                  ///< mean cosine of the scattering angle
+  double single_scattering_albedo = 0.9;
+};
+
+/// Film of water on part of the sample: see water.hpp.
+struct FilmConfig {
+  double coverage = 0.0;
+  double slope_rms = 0.03;  ///< of the film's own surface, 1-D
+};
+
+struct DropsConfig {
+  double coverage = 0.0;
+  double contact_angle_deg = 30.0;
+};
+
+/// What else a sample's surface may have: see surface_marks.hpp.
+struct MarksConfig {
+  double lobe_weight = 0.0;  ///< near-specular lobe: share of a smoother surface of the same binder
+  double lobe_slope = 0.02;  ///< its 1-D rms slope
+  double retro_peak_per_sr = 0.0;  ///< retroreflection peak
+  double retro_width_deg = 1.0;    ///< rms angle of it
+  double fluorescence_yield_532 =
+      0.0;                       ///< albedo equivalent of the light emitted at longer wavelengths
+  double fringe_contrast = 0.0;  ///< interference in a clear coat
+  double fringe_thickness_um = 8.0;  ///< of the coat, index 1.5
+  double gradient_per_mm = 0.0;      ///< relative change of the reflectance along the plate …
+  double beam_offset_mm = 1.0;       ///< … on which the beam walks by this over cos θi
+};
+
+/// Coherent granularity of the light; see Plant.
+struct SpeckleConfig {
+  double contrast = 0.0;  ///< standard deviation over mean of the collected light
 };
 
 struct PlantConfig {
@@ -153,6 +242,15 @@ struct PlantConfig {
   AmplifierConfig amplifier;
   AdcConfig adc;
   ShutterConfig shutter;
+  GhostConfig ghost;
+  ModulationConfig modulation;
+  DaylightConfig daylight;
+  HumidityConfig humidity;
+  DustConfig dust;
+  FilmConfig film;
+  DropsConfig drops;
+  MarksConfig marks;
+  SpeckleConfig speckle;
 };
 
 /// No imperfection; a point aperture that still stands for ΔΩ = 1e-4 sr; white noise of 0.6 codes

@@ -30,6 +30,27 @@ Mueller polarizer_mueller(double axis_deg, double extinction) {
   return m;
 }
 
+Mueller retarder_mueller(double axis_deg, double retardance_deg) {
+  const double angle = 2.0 * optics::radians(axis_deg);
+  const double q = -std::cos(angle);
+  const double u = std::sin(angle);
+  const double c = std::cos(optics::radians(retardance_deg));
+  const double s = std::sin(optics::radians(retardance_deg));
+  // On the sphere of (Q, U, V) it turns by the retardance about the axis (q, u, 0).
+  Mueller m = optics::zero_mueller<double>();
+  optics::set_element(m, 0, 0, 1.0);
+  optics::set_element(m, 1, 1, q * q + c * u * u);
+  optics::set_element(m, 1, 2, (1.0 - c) * q * u);
+  optics::set_element(m, 1, 3, s * u);
+  optics::set_element(m, 2, 1, (1.0 - c) * q * u);
+  optics::set_element(m, 2, 2, u * u + c * q * q);
+  optics::set_element(m, 2, 3, -s * q);
+  optics::set_element(m, 3, 1, -s * u);
+  optics::set_element(m, 3, 2, s * q);
+  optics::set_element(m, 3, 3, c);
+  return m;
+}
+
 Stokes photodiode_row(double bias) {
   return Stokes(1.0, bias, 0.0, 0.0);
 }

@@ -16,6 +16,9 @@ Stokes source_stokes(double degree, double axis_deg);
 /// A dichroic polariser at `axis_deg`: passes 1 along the axis and `extinction` across.
 Mueller polarizer_mueller(double axis_deg, double extinction);
 
+/// A linear retarder: fast axis at `axis_deg` from p towards s.
+Mueller retarder_mueller(double axis_deg, double retardance_deg);
+
 /// Row vector of a photodiode that answers I + bias·Q.
 Stokes photodiode_row(double bias);
 

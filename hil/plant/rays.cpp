@@ -6,10 +6,7 @@
 #include "hil/plant/quadrature.hpp"
 
 namespace umov::plant {
-namespace {
 
-/// The beam tilted by `angle` towards the azimuth `turn` in its own basis; s is projected across
-/// the ray.
 Beam tilted(const Beam& beam, double angle, double turn) {
   const Vec3 k = std::cos(angle) * beam.k +
                  std::sin(angle) * (std::cos(turn) * beam.s + std::sin(turn) * beam.p);
@@ -17,6 +14,8 @@ Beam tilted(const Beam& beam, double angle, double turn) {
   s *= 1.0 / std::sqrt(optics::dot(s, s));
   return {s, optics::cross(k, s), k};
 }
+
+namespace {
 
 void add_ring(std::vector<Ray>& rays, const Beam& beam, double angle, double weight, int count,
               double first_turn) {

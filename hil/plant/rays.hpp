@@ -13,6 +13,10 @@ struct Ray {
   double weight;
 };
 
+/// The beam turned by `angle` radians towards the azimuth `turn` in its own basis (0 = towards s,
+/// π/2 = towards p); s is projected across the new direction.
+Beam tilted(const Beam& beam, double angle, double turn);
+
 /// Rays over the disc of `half_angle` radians about `beam`, uniform in solid angle. One ray for 0.
 /// Exact for smooth functions to 5th order in the angle, to 9th above 0.01 rad.
 std::vector<Ray> disc_rays(const Beam& beam, double half_angle);

@@ -39,6 +39,22 @@ std::vector<Truth> Sample::truth(double) const {
   return {};
 }
 
+double Sample::emission(const Beam&, const Beam&, double) const {
+  return 0.0;
+}
+
+double Sample::surface_index(double) const {
+  return 1.5;
+}
+
+std::shared_ptr<const Sample> Sample::with_slopes(double) const {
+  return nullptr;
+}
+
+std::shared_ptr<const Sample> Sample::immersed(double) const {
+  return nullptr;
+}
+
 Mueller brdf_at(const Sample& sample, double theta_i_deg, double theta_r_deg, double phi_r_deg,
                 double wavelength_nm) {
   return sample.brdf(optics::incident_beam(optics::radians(theta_i_deg)),

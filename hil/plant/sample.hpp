@@ -5,6 +5,7 @@
 // a water film) is a Sample that wraps another one.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -25,9 +26,9 @@ struct Truth {
   std::string unit;  ///< "1", "um", "deg", "1/sr"
 };
 
-/// An isotropic surface. Beams are given in the sample frame (+z is the true surface normal) with
-/// any transverse basis {s, p}; matrices come back in those bases, element (row, column) = (out,
-/// in).
+/// A surface, isotropic unless it says otherwise. Beams are given in the sample frame (+z is the
+/// true surface normal) with any transverse basis {s, p}; matrices come back in those bases,
+/// element (row, column) = (out, in).
 class Sample {
  public:
   virtual ~Sample() = default;
@@ -48,6 +49,22 @@ class Sample {
 
   /// Width in radians of the narrowest feature of brdf() in exit direction; quadratures resolve it.
   virtual double feature_width_rad() const { return 0.5; }
+
+  /// Light emitted at longer wavelengths while `wavelength_nm` shines on the surface, as the BRDF
+  /// in 1/sr that would give as much; unpolarised.
+  virtual double emission(const Beam& in, const Beam& out, double wavelength_nm) const;
+
+  /// 1-D rms slope of the rough interface and its refractive index; 0 and 1.5 where there is none.
+  virtual double slope_rms() const { return 0.0; }
+  virtual double surface_index(double wavelength_nm) const;
+
+  /// The same sample with the slopes of its surface multiplied by `factor`; null where it has no
+  /// rough interface.
+  virtual std::shared_ptr<const Sample> with_slopes(double factor) const;
+
+  /// The same sample under a medium of index `medium_n`, beams given inside it and wavelengths in
+  /// vacuum; null where its reflectance does not know an index.
+  virtual std::shared_ptr<const Sample> immersed(double medium_n) const;
 };
 
 /// Mueller BRDF at angles in degrees in the bases of docs/physics.md, section 1 (signed θr in

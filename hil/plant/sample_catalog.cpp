@@ -9,6 +9,7 @@
 
 #include "hil/plant/diffuser_sample.hpp"
 #include "hil/plant/embedded_samples.hpp"
+#include "hil/plant/facet_sample.hpp"
 #include "hil/plant/mirror_sample.hpp"
 #include "hil/plant/paint_sample.hpp"
 #include "hil/plant/table_sample.hpp"
@@ -45,6 +46,10 @@ class SampleFile {
     if (!value)
       throw Error(place_of(*node, origin_), quoted(key) + " is not text", "put it in quotes");
     return *value;
+  }
+
+  std::string text_or(const char* key, const std::string& standard) {
+    return find(key) == nullptr ? standard : text(key);
   }
 
   /// A number between the bounds; `standard` where the key is absent.
@@ -162,12 +167,47 @@ std::unique_ptr<Sample> make_diffuser(SampleFile& file, std::string name) {
   return std::make_unique<DiffuserSample>(std::move(name), std::move(p));
 }
 
+SlopeDistribution distribution(SampleFile& file, const char* key) {
+  const std::string name = file.text_or(key, "gaussian");
+  if (name == "gaussian") return SlopeDistribution::gaussian;
+  if (name == "ggx") return SlopeDistribution::ggx;
+  if (name == "ring") return SlopeDistribution::ring;
+  throw Error({file.origin()}, "unknown distribution of slopes \"" + name + "\"",
+              "it is gaussian, ggx or ring");
+}
+
+std::unique_ptr<Sample> make_facets(SampleFile& file, std::string name) {
+  FacetParameters p;
+  p.n = file.spectrum("n", 1.5, 1.0, 10.0);
+  p.kappa = file.spectrum("kappa", 0.0, 0.0, 20.0);
+  p.rho_d1 = file.spectrum("rho_d1", 0.0, 0.0, 1.0);
+  p.rho_d2 = file.spectrum("rho_d2", 0.0, 0.0, 1.0);
+  p.forward_per_sr = file.spectrum("forward_per_sr", 0.0, 0.0, 100.0);
+  p.forward_width_deg = file.number("forward_width_deg", 20.0, 0.1, 60.0);
+  FacetLobe& first = p.lobes.front();
+  first.distribution = distribution(file, "distribution");
+  first.weight = file.number("weight", 1.0, 0.0, 10.0);
+  first.slope = file.number("slope", 0.15, 0.005, 2.0);
+  first.slope_y = file.number("slope_y", 0.0, 0.0, 2.0);
+  first.steepness = file.number("steepness", 0.3, 0.0, 2.0);
+  FacetLobe second;
+  second.distribution = distribution(file, "distribution_2");
+  second.weight = file.number("weight_2", 0.0, 0.0, 10.0);
+  second.slope = file.number("slope_2", 0.05, 0.005, 2.0);
+  second.slope_y = file.number("slope_y_2", 0.0, 0.0, 2.0);
+  second.steepness = file.number("steepness_2", 0.3, 0.0, 2.0);
+  if (second.weight > 0.0) p.lobes.push_back(second);
+  file.refuse_unknown_keys();
+  return std::make_unique<FacetSample>(std::move(name), std::move(p));
+}
+
 std::unique_ptr<Sample> make_from(SampleFile& file, const std::string& folder) {
   const std::string name = file.text("name");
   file.text("title");
   const std::string kind = file.text("kind");
   if (kind == "paint") return make_paint(file, name);
   if (kind == "diffuser") return make_diffuser(file, name);
+  if (kind == "facets") return make_facets(file, name);
   if (kind == "mirror") {
     const std::string index = file.text("index");
     file.refuse_unknown_keys();
@@ -184,7 +224,7 @@ std::unique_ptr<Sample> make_from(SampleFile& file, const std::string& folder) {
         TableSample::from_file((std::filesystem::path(folder) / path).string()));
   }
   throw Error({file.origin()}, "unknown kind of sample \"" + kind + "\"",
-              "kind is paint, diffuser, mirror or table");
+              "kind is paint, diffuser, facets, mirror or table");
 }
 
 const EmbeddedSample* find_embedded(const std::string& name) {

@@ -15,4 +15,10 @@ double Spectrum::at(double wavelength_nm) const {
   return value_[i - 1] + t * (value_[i] - value_[i - 1]);
 }
 
+Spectrum Spectrum::scaled(double factor) const {
+  Spectrum changed = *this;
+  for (double& value : changed.value_) value *= factor;
+  return changed;
+}
+
 }  // namespace umov::plant

@@ -16,6 +16,8 @@ class Spectrum {
       : wavelength_nm_(std::move(wavelength_nm)), value_(std::move(value)) {}
 
   double at(double wavelength_nm) const;
+  /// Every value times `factor`.
+  Spectrum scaled(double factor) const;
 
  private:
   std::vector<double> wavelength_nm_{0.0};

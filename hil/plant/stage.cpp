@@ -39,11 +39,17 @@ Stage::Stage(const AxisTravel& travel, const AxisErrors& errors, std::uint64_t s
   carried_steps_ = static_cast<double>(steps_);
 }
 
-void Stage::step(int direction) {
-  steps_ += direction > 0 ? 1 : -1;
-  ++moves_;
+void Stage::step(int direction, double time_s, std::int64_t count) {
+  steps_ += direction > 0 ? count : -count;
+  moves_ += static_cast<std::uint64_t>(count);
   const auto motor = static_cast<double>(steps_);
   carried_steps_ = std::clamp(carried_steps_, motor - half_play_steps_, motor + half_play_steps_);
+  if (errors_.windup_deg != 0.0) {
+    const double kept =
+        std::exp(-static_cast<double>(count) * degrees_per_step_ / errors_.windup_travel_deg);
+    windup_ = kept * windup_ - (direction > 0 ? 1.0 : -1.0) * (1.0 - kept);
+  }
+  if (errors_.slip_deg != 0.0 && time_s > errors_.slip_time_s) slipped_ = true;
 }
 
 AxisSwitches Stage::switches() const {
@@ -65,6 +71,8 @@ double Stage::true_deg() const {
   angle += wave(errors_.encoder_deg, 2.0, carried_deg, errors_.encoder_phase_deg);
   angle += wave(errors_.gear_deg, errors_.gear_cycles * errors_.gear_ratio, motor_deg(),
                 errors_.gear_phase_deg);
+  if (errors_.windup_deg != 0.0) angle += errors_.windup_deg * windup_;
+  if (slipped_) angle += errors_.slip_deg;
   if (errors_.standstill_deg != 0.0) angle += errors_.standstill_deg * gaussian_of(seed_, moves_);
   return angle;
 }

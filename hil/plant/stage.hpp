@@ -35,8 +35,9 @@ class Stage {
   /// `seed` decides the standstill offsets.
   Stage(const AxisTravel& travel, const AxisErrors& errors, std::uint64_t seed);
 
-  /// One step, direction +1 or -1. The play is taken up as the motor turns.
-  void step(int direction);
+  /// `count` steps, direction +1 or -1, begun at `time_s`. The play is taken up as the motor turns.
+  void step(int direction, double time_s = 0.0, std::int64_t count = 1);
+  std::int64_t steps() const { return steps_; }
   AxisSwitches switches() const;
 
   /// Angle that the motor's steps stand for, before any error.
@@ -54,6 +55,8 @@ class Stage {
   std::int64_t steps_ = 0;      ///< from the home edge
   std::uint64_t moves_ = 0;     ///< steps made in all, either way
   double carried_steps_ = 0.0;  ///< where the play has left the stage
+  double windup_ = 0.0;         ///< -1 … 1, in units of the wind-up's amplitude
+  bool slipped_ = false;
 };
 
 }  // namespace umov::plant

@@ -90,6 +90,14 @@ Input input_of(const std::string& name, const std::string& factor, const Reducti
   const DeclaredDoubts& declared = calibration.declared;
   if (name == "detector zero") return {'B', "deg", declared.theta_r_zero_u_deg, infinite};
   if (name == "incidence zero") return {'B', "deg", declared.theta_i_zero_u_deg, infinite};
+  if (name == "detector eccentricity")
+    return {'B', "deg", declared.theta_r_eccentricity_u_deg, infinite};
+  if (name == "detector play") return {'B', "deg", declared.theta_r_play_u_deg, infinite};
+  if (name == "sample lean" || name == "standard lean")
+    return {'B', "deg", declared.sample_lean_u_deg, infinite};
+  if (name == "detector stop" || name == "incidence stop")
+    return {'B', "deg", declared.position_u_deg, infinite};
+  if (name == "source") return {'B', "1", declared.source_relative_u, infinite};
   if (name == "aperture") return {'B', "1", 1.0, infinite};
   if (name == "solid angle") return {'B', "1", declared.solid_angle_relative_u, infinite};
   return polarization_input(name, calibration, points.wavelength_nm[i]).value_or(Input{});
@@ -100,7 +108,7 @@ Input input_of(const std::string& name, const std::string& factor, const Reducti
 std::string contribution_name(const std::string& factor) {
   std::string name = factor;
   const auto is_number = [](std::string_view word) {
-    return !word.empty() && word.find_first_not_of("0123456789.") == std::string_view::npos;
+    return !word.empty() && word.find_first_not_of("-0123456789.") == std::string_view::npos;
   };
   const auto last_word = [&name] {
     const auto space = name.find_last_of(' ');

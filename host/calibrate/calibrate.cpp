@@ -8,6 +8,7 @@
 #include "host/calibrate/calibration.hpp"
 #include "host/calibrate/reduce.hpp"
 #include "host/calibrate/standard_fit.hpp"
+#include "host/calibrate/standard_rows.hpp"
 #include "host/calibrate/standard_scatter.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/order_statistics.hpp"
@@ -22,149 +23,14 @@ constexpr double degree = optics::radians(1.0);
 /// reflection).
 constexpr double reject_at = 5.0;
 
-double cos_twice(double axis_deg) {
-  return formats::is_open(axis_deg) ? 0.0 : std::cos(2.0 * axis_deg * degree);
-}
-
-/// The standard scan with everything derived from it once.
-struct Prepared {
-  const StandardScan* standard;
-  ScanRows set_up;
-  NoiseModel noise;
-  Dark dark;
-  std::vector<LockinPhase> phases;
-  RangeErrors ranges;
-  Nonlinearity nonlinearity;
-  double solid_angle_sr;
-  double theta_i_deg = 0;  ///< incidence used where the standard is not tabulated
-};
-
-/// Q/I of light that leaves the standard, from its own table; 0 for a depolarising one.
-double polarisation(const ReferenceStandard& reference, const formats::ScanTable& scan,
-                    std::size_t i) {
-  if (!reference.polarised()) return 0;
-  const auto behind = [&](double analyzer) {
-    return reference.brdf(scan.theta_i_deg[i], scan.theta_r_deg[i], scan.phi_r_deg[i],
-                          scan.wavelength_nm[i], scan.polarizer_deg[i], analyzer);
-  };
-  const auto s = behind(90.0), p = behind(0.0);
-  return s && p && *s + *p > 0 ? (*s - *p) / (*s + *p) : 0.0;
-}
-
-/// Volts of stray light per level (1/sr) are C times this.
-double stray_base(const Prepared& input, std::size_t i) {
-  const formats::ScanTable& scan = input.standard->scan;
-  return stray_share(scan.analyzer_deg[i]) * input.solid_angle_sr * scan.monitor_v[i];
-}
-
-std::vector<StandardRow> rows_of(const Prepared& input, double wavelength, double phase_rad) {
-  const formats::ScanTable& scan = input.standard->scan;
-  const ReferenceStandard& reference = input.standard->reference;
-  std::vector<StandardRow> rows;
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (input.set_up.row[i] != RowUse::plain || scan.saturated[i] != 0) continue;
-    if (std::abs(scan.wavelength_nm[i] - wavelength) >= 0.5) continue;
-    if (!reference.tabulated() &&
-        std::abs(std::abs(scan.theta_i_deg[i]) - input.theta_i_deg) > 0.05)
-      continue;
-    const double cosine = std::cos(scan.theta_r_deg[i] * degree);
-    if (!(cosine > 1e-3) || !(scan.monitor_v[i] > 0)) continue;
-    const auto f = reference.brdf(scan.theta_i_deg[i], scan.theta_r_deg[i], scan.phi_r_deg[i],
-                                  wavelength, scan.polarizer_deg[i], scan.analyzer_deg[i]);
-    if (!f || !(*f > 0)) continue;
-    const DarkLevel dark = input.dark.at(scan.gain[i]);
-    const double true_part = 1.0 + input.ranges.at(scan.gain[i]).error;
-    StandardRow row;
-    row.signal_v = input.nonlinearity.true_signal(((scan.x_v[i] - dark.x_v) * std::cos(phase_rad) +
-                                                   (scan.y_v[i] - dark.y_v) * std::sin(phase_rad)) /
-                                                  true_part);
-    row.stray_base = stray_base(input, i);
-    row.phi_r_deg = scan.phi_r_deg[i];
-    row.base = *f * cosine * input.solid_angle_sr * scan.monitor_v[i];
-    row.theta_r_deg = scan.theta_r_deg[i];
-    row.from_retro_deg =
-        from_retro_deg(scan.theta_i_deg[i], scan.theta_r_deg[i], scan.phi_r_deg[i]);
-    row.gain = scan.gain[i];
-    row.polarizer_deg = scan.polarizer_deg[i];
-    row.analyzer_deg = scan.analyzer_deg[i];
-    row.bias_lever = formats::is_open(scan.analyzer_deg[i]) ? polarisation(reference, scan, i)
-                                                            : -cos_twice(scan.analyzer_deg[i]);
-    row.retention_lever = reference.polarised()
-                              ? 0.0
-                              : cos_twice(scan.polarizer_deg[i]) * cos_twice(scan.analyzer_deg[i]);
-    rows.push_back(row);
-  }
-  return rows;
-}
-
-/// Variances at the signal to be expected: taken at the measured one, a record that is wrongly dark
-/// would get the largest weight of all.
-void set_variances(std::vector<StandardRow>& rows, const Prepared& input, double wavelength) {
-  std::vector<double> ratio;
-  for (const StandardRow& row : rows) ratio.push_back(row.signal_v / row.base);
-  if (ratio.empty()) return;
-  const double middle = formats::median(std::move(ratio));
-  for (StandardRow& row : rows) {
-    const double true_part = 1.0 + input.ranges.at(row.gain).error;
-    row.variance = input.noise.variance_normalised(wavelength, row.gain, middle * row.base) /
-                   (true_part * true_part);
-  }
-}
-
-/// Takes stray light out of the rows; the gain constant it needs comes from the rows themselves.
-void subtract_stray(std::vector<StandardRow>& rows, const StrayLight& stray, double wavelength) {
-  if (stray.empty() || rows.empty()) return;
-  std::vector<double> ratio;
-  for (const StandardRow& row : rows) ratio.push_back(row.signal_v / row.base);
-  const double gain_constant = formats::median(std::move(ratio));
-  for (StandardRow& row : rows) {
-    row.volts_per_stray = gain_constant * row.stray_base;
-    row.signal_v -= row.volts_per_stray * stray.level(wavelength, row.theta_r_deg, row.phi_r_deg);
-  }
-}
-
-/// How much more light than ideal elements do the true ones bring to the detector from a
-/// depolarising standard; δ is a parameter of the fit and not in it.
-double polarization_response(PolarizationVector parameters, const StandardRow& row) {
-  parameters(index_of(PolarizationParameter::detector_bias)) = 0;
-  return source_vector(parameters, row.polarizer_deg)(0) *
-         analyzer_vector(parameters, row.analyzer_deg)(0) /
-         (ideal_source_vector(row.polarizer_deg)(0) * ideal_analyzer_vector(row.analyzer_deg)(0));
-}
-
-void apply_polarization(std::vector<StandardRow>& rows, const PolarizationWavelength* entry) {
-  if (entry == nullptr) return;
-  for (StandardRow& row : rows) row.base *= polarization_response(entry->values(), row);
-}
-
-/// WavelengthCalibration::polarization_shift.
-Eigen::MatrixXd polarization_shift(const std::vector<StandardRow>& rows, const StandardFit& fit,
-                                   const PolarizationWavelength& entry, Eigen::Index parameters) {
-  Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(parameters, polarization_parameters);
-  for (Eigen::Index k = 0; k < polarization_parameters; ++k) {
-    constexpr double step = 1e-6;
-    PolarizationVector up = entry.values(), down = up;
-    up(k) += step;
-    down(k) -= step;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      const double slope = (std::log(polarization_response(up, rows[i])) -
-                            std::log(polarization_response(down, rows[i]))) /
-                           (2 * step);
-      shift.col(k) -= slope * rows[i].signal_v *
-                      fit.response.col(static_cast<Eigen::Index>(i)).head(parameters);
-    }
-  }
-  return shift;
-}
-
 bool varies(const std::vector<StandardRow>& rows, double StandardRow::*lever) {
   return std::any_of(rows.begin(), rows.end(), [&](const StandardRow& row) {
     return std::abs(row.*lever - rows.front().*lever) > 1e-3;
   });
 }
 
-StandardFit fit_wavelength(std::vector<StandardRow>& rows, const Prepared& input, double wavelength,
-                           std::size_t number, const CalibrateOptions& options,
+StandardFit fit_wavelength(std::vector<StandardRow>& rows, const PreparedStandard& input,
+                           double wavelength, std::size_t number, const CalibrateOptions& options,
                            WavelengthCalibration& entry, std::vector<std::string>& notes) {
   if (rows.size() < 2)
     throw Error(fmt::format("the white scan `{}` has {} usable records at {:g} nm",
@@ -268,7 +134,7 @@ StandardFit fit_wavelength(std::vector<StandardRow>& rows, const Prepared& input
 
 /// fit_wavelength with the scatter that its own residuals show taken as noise of the standard's
 /// records: strong signals then weigh no more than they are worth.
-StandardFit fit_with_own_scatter(std::vector<StandardRow>& rows, const Prepared& input,
+StandardFit fit_with_own_scatter(std::vector<StandardRow>& rows, const PreparedStandard& input,
                                  double wavelength, std::size_t number,
                                  const CalibrateOptions& options, WavelengthCalibration& entry,
                                  std::vector<std::string>& notes) {
@@ -308,7 +174,7 @@ StandardFit fit_with_own_scatter(std::vector<StandardRow>& rows, const Prepared&
 /// What one standard deviation of a systematic quantity does to the standard's records.
 class StandardShifts {
  public:
-  StandardShifts(const Prepared& input, const CalibrateOptions& options)
+  StandardShifts(const PreparedStandard& input, const CalibrateOptions& options)
       : input_(input),
         options_(options),
         electronics_(electronics_shifts(input.ranges, input.nonlinearity)),
@@ -327,11 +193,10 @@ class StandardShifts {
         return row.volts_per_stray *
                options_.stray.level_shift(stray_.col(static_cast<Eigen::Index>(systematic.cause)),
                                           wavelength, row.theta_r_deg, row.phi_r_deg);
-      case Systematic::Kind::detector_zero:
-        return row.signal_v * std::tan(row.theta_r_deg * degree) *
-               options_.declared.theta_r_zero_u_deg * degree;
+      default:
+        return -row.signal_v * row.log_slope_per_deg *
+               detector_shift_deg(systematic, options_.declared, row.theta_r_deg, row.direction);
     }
-    return 0;
   }
 
  private:
@@ -342,14 +207,15 @@ class StandardShifts {
     return row.signal_v * (error - kappa * row.signal_v);
   }
 
-  const Prepared& input_;
+  const PreparedStandard& input_;
   const CalibrateOptions& options_;
   Eigen::MatrixXd electronics_, stray_;
 };
 
-Prepared prepare(const StandardScan& standard, std::span<const formats::ScanTable> dark_scans,
-                 const CalibrateOptions& options, std::vector<std::string>& notes) {
-  Prepared input;
+PreparedStandard prepare(const StandardScan& standard,
+                         std::span<const formats::ScanTable> dark_scans,
+                         const CalibrateOptions& options, std::vector<std::string>& notes) {
+  PreparedStandard input;
   input.standard = &standard;
   const formats::ScanTable& scan = standard.scan;
   input.set_up = sort_rows(scan);
@@ -419,7 +285,7 @@ Calibration calibrate(std::span<const StandardScan> standards,
                 "scan a white tile with `role = \"white\"` in the plan and give that file");
   Calibration calibration;
   const StandardScan& standard = standards[options.standard];
-  Prepared input = prepare(standard, dark_scans, options, calibration.notes);
+  PreparedStandard input = prepare(standard, dark_scans, options, calibration.notes);
   const RangeInput range_input{&standard.scan, &input.set_up, &input.noise, &input.dark};
   if (options.linearity) {
     input.ranges = options.linearity->ranges;
@@ -445,8 +311,8 @@ Calibration calibrate(std::span<const StandardScan> standards,
     calibration.systematics.push_back({Systematic::Kind::nonlinearity, 0});
   for (std::size_t k = 0; k < 2 * options.stray.wavelength_nm.size(); ++k)
     calibration.systematics.push_back({Systematic::Kind::stray, 0, k});
-  if (options.declared.theta_r_zero_u_deg > 0)
-    calibration.systematics.push_back({Systematic::Kind::detector_zero, 0});
+  for (const Systematic& angle : angle_systematics(options.declared))
+    calibration.systematics.push_back(angle);
   const StandardShifts shifts(input, options);
 
   for (double wavelength : wavelengths_of(standard.scan)) {

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "host/errors/error.hpp"
+#include "host/optics/angles.hpp"
 
 namespace umov::calibrate {
 
@@ -31,6 +32,38 @@ double record_variance(const NoiseModel& noise, const WavelengthCalibration& ent
   const double more =
       entry.record_scatter * entry.record_scatter - noise.relative2_normalised(entry.wavelength_nm);
   return law + std::max(0.0, more) * signal_v * signal_v;
+}
+
+double detector_shift_deg(const Systematic& systematic, const DeclaredDoubts& declared,
+                          double theta_r_deg, int direction) {
+  switch (systematic.kind) {
+    case Systematic::Kind::detector_zero:
+      return declared.theta_r_zero_u_deg;
+    case Systematic::Kind::detector_eccentricity: {
+      const double angle = optics::radians(theta_r_deg);
+      return declared.theta_r_eccentricity_u_deg *
+             (systematic.cause == 0 ? std::cos(angle) : std::sin(angle));
+    }
+    case Systematic::Kind::detector_play:
+      return -0.5 * declared.theta_r_play_u_deg * (direction < 0 ? -1.0 : 1.0);
+    case Systematic::Kind::standard_lean:
+      return -declared.sample_lean_u_deg;
+    default:
+      return 0;
+  }
+}
+
+std::vector<Systematic> angle_systematics(const DeclaredDoubts& declared) {
+  std::vector<Systematic> result;
+  const auto add = [&result](double u, Systematic::Kind kind, std::size_t cause) {
+    if (u > 0) result.push_back({kind, 0, cause});
+  };
+  add(declared.theta_r_zero_u_deg, Systematic::Kind::detector_zero, 0);
+  add(declared.theta_r_eccentricity_u_deg, Systematic::Kind::detector_eccentricity, 0);
+  add(declared.theta_r_eccentricity_u_deg, Systematic::Kind::detector_eccentricity, 1);
+  add(declared.theta_r_play_u_deg, Systematic::Kind::detector_play, 0);
+  add(declared.sample_lean_u_deg, Systematic::Kind::standard_lean, 0);
+  return result;
 }
 
 std::vector<double> wavelengths_of(const formats::ScanTable& scan) {

@@ -67,14 +67,33 @@ struct WavelengthCalibration {
 /// A calibration quantity that points share beyond the gain's own statistics: shift of each
 /// wavelength's parameters for one standard deviation; of ranges and nonlinearity, for the column
 /// of electronics_shifts() that belongs to `gain` (nonlinearity: the last one); of stray light, for
-/// column `cause` of StrayLight::shifts().
+/// column `cause` of StrayLight::shifts(). Of the declared angles, those at which the standard was
+/// measured: zero, eccentricity (cause 0: its cosine, 1: its sine) and play of the detector arm,
+/// and how the standard leant on its plate.
 struct Systematic {
-  enum class Kind { dark, range, nonlinearity, stray, detector_zero };
+  enum class Kind {
+    dark,
+    range,
+    nonlinearity,
+    stray,
+    detector_zero,
+    detector_eccentricity,
+    detector_play,
+    standard_lean
+  };
   Kind kind;
   double gain = 1;  ///< amplifier range concerned; 0 = none
   std::size_t cause = 0;
   std::vector<Eigen::VectorXd> shift = {};  ///< per wavelength, in the order of its parameters
 };
+
+/// By how much the detector stands beside θr for one standard deviation of an angle error;
+/// `direction` 1 or -1 of its last move. Zero for what is no error of an angle.
+double detector_shift_deg(const Systematic& systematic, const DeclaredDoubts& declared,
+                          double theta_r_deg, int direction);
+
+/// The angle errors among the systematic quantities that a bench with these doubts has.
+std::vector<Systematic> angle_systematics(const DeclaredDoubts& declared);
 
 /// Reflectance of a standard: stated, and computed from its scan with this calibration.
 struct StandardCheck {

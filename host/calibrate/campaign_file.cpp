@@ -158,10 +158,8 @@ CampaignOptions options_of(const toml::table& parsed, const fs::path& file) {
   tolerance.refuse_unknown();
 
   Table declared = root.inner("declared");
-  declared.number("theta_i_zero_u_deg", 0, 10, options.declared.theta_i_zero_u_deg);
-  declared.number("theta_r_zero_u_deg", 0, 10, options.declared.theta_r_zero_u_deg);
-  declared.number("aperture_half_angle_deg", 0, 10, options.declared.aperture_half_angle_deg);
-  declared.number("solid_angle_relative_u", 0, 1, options.declared.solid_angle_relative_u);
+  for (const DeclaredKey& key : declared_keys)
+    declared.number(key.name, 0, key.largest, options.declared.*key.value);
   declared.refuse_unknown();
 
   Table mirror = root.inner("mirror");

@@ -1,38 +1,53 @@
 // What is known of the bench from elsewhere (data sheets, alignment) and no scan of a campaign
-// shows: declared standard uncertainties (GUM type B) and what they do to the points of a scan.
+// shows: declared standard uncertainties (GUM type B).
 #pragma once
 
-#include <vector>
-
-#include "host/formats/brdf_table.hpp"
+#include <array>
 
 namespace umov::calibrate {
 
-/// One standard deviation each; 0 = not declared.
+/// One standard deviation each, but for the aperture; 0 = not declared.
 struct DeclaredDoubts {
   double theta_i_zero_u_deg = 0;  ///< zero of the incidence arm
-  double theta_r_zero_u_deg = 0;  ///< zero of the detector arm
-  /// Half-angle of the detector disc seen from the sample: a BRDF that curves within it is
-  /// averaged.
+  double theta_r_zero_u_deg = 0;  ///< zero of the detector arm, in the standard's scan as in others
+  /// How a sample leans on its plate in the plane of incidence; the standard on its own.
+  double sample_lean_u_deg = 0;
+  /// Error of the detector arm that runs once a turn (an axis beside the circle's middle): of its
+  /// cosine and of its sine.
+  double theta_r_eccentricity_u_deg = 0;
+  double theta_r_play_u_deg = 0;  ///< of the detector's drive: it stops half of it behind
+  /// Finer periodic errors of gears and encoders: where a drive stops, the same at each visit.
+  double position_u_deg = 0;
+  /// Relative: slow noise of the source that the monitor misses. Common to a wavelength from the
+  /// standard's scan to another one, and again to all points of an incidence, which are measured
+  /// within minutes.
+  double source_relative_u = 0;
+  /// Half-angle of the detector disc seen from the sample at the standard's solid angle: no doubt,
+  /// but a size that is corrected for (P27). 0 = a point, or unknown.
   double aperture_half_angle_deg = 0;
   /// Of the detector's solid angle, relative: matters only where a scan's differs from the
   /// standard's.
   double solid_angle_relative_u = 0;
 };
 
-/// How the points of a scan change with angles: derivatives of f cosθr (what the detector sees) by
-/// the true angle, from the neighbouring points of the same state. All in 1/sr per degree, a point
-/// each; zero where there are no neighbours.
-struct AngleSlopes {
-  /// d(f cosθr)/dθr / cosθr.
-  std::vector<double> detector;
-  /// df/dθi: along lines of constant θr - θi from the neighbouring incidences, minus df/dθr, which
-  /// is what moves a lobe about the mirror direction.
-  std::vector<double> incidence;
-  /// d²f/dθr², 1/sr per square degree.
-  std::vector<double> curvature;
+/// The keys of DeclaredDoubts in campaign.toml and cal.h5, with the largest value that makes sense.
+struct DeclaredKey {
+  const char* name;
+  double DeclaredDoubts::*value;
+  double largest;
+  const char* unit;
 };
-
-AngleSlopes angle_slopes(const formats::BrdfTable::Points& points);
+inline constexpr std::array declared_keys = {
+    DeclaredKey{"theta_i_zero_u_deg", &DeclaredDoubts::theta_i_zero_u_deg, 10, "deg"},
+    DeclaredKey{"theta_r_zero_u_deg", &DeclaredDoubts::theta_r_zero_u_deg, 10, "deg"},
+    DeclaredKey{"sample_lean_u_deg", &DeclaredDoubts::sample_lean_u_deg, 10, "deg"},
+    DeclaredKey{"theta_r_eccentricity_u_deg", &DeclaredDoubts::theta_r_eccentricity_u_deg, 10,
+                "deg"},
+    DeclaredKey{"theta_r_play_u_deg", &DeclaredDoubts::theta_r_play_u_deg, 10, "deg"},
+    DeclaredKey{"position_u_deg", &DeclaredDoubts::position_u_deg, 10, "deg"},
+    DeclaredKey{"source_relative_u", &DeclaredDoubts::source_relative_u, 1, "1"},
+    DeclaredKey{"aperture_half_angle_deg", &DeclaredDoubts::aperture_half_angle_deg, 10, "deg"},
+    DeclaredKey{"solid_angle_relative_u", &DeclaredDoubts::solid_angle_relative_u, 1, "1"},
+};
 
 }  // namespace umov::calibrate

@@ -77,9 +77,10 @@ void check_states(const MirrorRecords& records, std::size_t wavelength) {
   if (!(oblique_polarizer(1) && oblique_polarizer(-1)))
     missing.push_back("the polariser on both sides of it (such as 84/P and 96/P)");
   if (!missing.empty())
-    throw Error(fmt::format("at {:g} nm the mirror scan lacks states (polariser/analyser): {}",
-                            records.wavelengths_nm[wavelength], fmt::join(missing, ", ")),
-                "add them to `states` of the plan; examples/plans/germanium.toml has a full set");
+    throw Error(
+        fmt::format("at {:g} nm the mirror scan lacks states (polariser/analyser): {}",
+                    records.wavelengths_nm[wavelength], fmt::join(missing, ", ")),
+        "add them to `states` of the plan; examples/campaign/germanium.toml has a full set");
   std::set<long long> angles;
   bool steep = false, grazing = false;
   for (const MirrorRow& row : records.rows) {

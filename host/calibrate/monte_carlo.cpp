@@ -3,21 +3,19 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <exception>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <set>
-#include <thread>
 
 #include <fmt/format.h>
 #include <Eigen/Dense>
-#include <boost/math/special_functions/erf.hpp>
 
-#include "host/calibrate/declared_doubts.hpp"
+#include "host/calibrate/declared_causes.hpp"
 #include "host/calibrate/normal_stream.hpp"
 #include "host/errors/error.hpp"
 #include "host/optics/angles.hpp"
+#include "host/parallel/for_each_index.hpp"
 
 namespace umov::calibrate {
 
@@ -31,8 +29,8 @@ struct Truth {
   std::vector<double> retention, polarization, bias;  ///< by wavelength of the calibration
   std::map<double, double> range_error, dark_v;       ///< by amplifier range
   double kappa_per_v;
-  std::vector<double> stray_even, stray_forward;           ///< by wavelength
-  double theta_i_deg, theta_r_deg, aperture, solid_angle;  ///< aperture, solid_angle: in units of u
+  std::vector<double> stray_even, stray_forward;  ///< by wavelength
+  std::vector<double> declared;                   ///< by declared cause, in units of u
   std::optional<PolarizationCalibration> polarizers;
 };
 
@@ -86,7 +84,7 @@ class Drawing {
     double point = 0;
     for (std::size_t i = 0; i < source.scan->table.size(); ++i)
       if (source.rows.row[i] == RowUse::plain) source.record_to_point[i] = point++;
-    slopes_ = angle_slopes(reduction.table.points);
+    causes_ = declared_causes(reduction.table.points, reduction.origin, calibration_);
     if (calibration_.polarization && calibration_.polarization->covariance.size() > 0) {
       const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
           calibration_.polarization->covariance);
@@ -166,11 +164,7 @@ class Drawing {
       (w < lines ? truth.stray_even : truth.stray_forward)
           .push_back(drawn_u(options_.stray.tolerance_per_sr, std::sqrt(stray.covariance(w, w))) *
                      normal());
-    const DeclaredDoubts& declared = calibration_.declared;
-    truth.theta_i_deg = declared.theta_i_zero_u_deg * normal();
-    truth.theta_r_deg = declared.theta_r_zero_u_deg * normal();
-    truth.aperture = normal();
-    truth.solid_angle = declared.solid_angle_relative_u * normal();
+    for (std::size_t k = 0; k < causes_.size(); ++k) truth.declared.push_back(normal());
     if (polarization_root_.size() > 0) truth.polarizers = draw_polarizers(normal);
     return truth;
   }
@@ -192,24 +186,29 @@ class Drawing {
     return drawn;
   }
 
-  /// Relative change of a point's signal by the drawn angles.
-  double angle_change(const Source& source, std::size_t i, const Truth& truth) const {
+  /// Relative change of a record's light by the declared causes: angles, source, solid angle.
+  double declared_change(const Source& source, std::size_t i, const Truth& truth) const {
+    if (causes_.empty()) return 0;
     const formats::ScanTable& scan = source.scan->table;
     double change = 0;
     const bool reduced = !source.record_to_point.empty();
     if (reduced && source.record_to_point[i] >= 0) {
       const auto point = static_cast<std::size_t>(source.record_to_point[i]);
       const double f = reduction_.table.points.brdf_per_sr[point];
-      if (std::abs(f) > 0) {
-        const double a = calibration_.declared.aperture_half_angle_deg;
-        change += (slopes_.detector[point] * truth.theta_r_deg +
-                   slopes_.incidence[point] * truth.theta_i_deg +
-                   0.25 * a * a * slopes_.curvature[point] * truth.aperture) /
-                  f;
-        if (reduction_.origin[point].other_solid_angle) change += truth.solid_angle;
-      }
+      if (!(std::abs(f) > 0)) return 0;
+      for (std::size_t k = 0; k < causes_.size(); ++k)
+        if (!causes_[k].own_per_sr.empty())
+          change += truth.declared[k] * causes_[k].own_per_sr[point] / f;
     } else if (source.standard) {
-      change -= std::tan(scan.theta_r_deg[i] * degree) * degree * truth.theta_r_deg;
+      const double slope = reference_.log_slope_per_deg(
+          scan.theta_i_deg[i], scan.theta_r_deg[i], scan.phi_r_deg[i], scan.wavelength_nm[i],
+          scan.polarizer_deg[i], scan.analyzer_deg[i]);
+      for (std::size_t k = 0; k < causes_.size(); ++k)
+        if (causes_[k].through_standard)
+          change +=
+              truth.declared[k] * slope *
+              detector_shift_deg(calibration_.systematics[*causes_[k].through_standard],
+                                 calibration_.declared, scan.theta_r_deg[i], scan.direction[i]);
     }
     return change;
   }
@@ -219,7 +218,7 @@ class Drawing {
     const formats::ScanTable& scan = source.scan->table;
     const std::size_t w = calibration_.index_of(scan.wavelength_nm[i]);
     const double lever = -cos_twice(scan.analyzer_deg[i]);
-    double change = truth.bias[w] * lever + angle_change(source, i, truth);
+    double change = truth.bias[w] * lever + declared_change(source, i, truth);
     if (!source.standard) return change;
     const WavelengthCalibration& entry = calibration_.wavelengths[w];
     return change + entry.reference_relative_u * truth.scale +
@@ -308,7 +307,7 @@ class Drawing {
   ReferenceStandard reference_;
   bool outside_ = false;  ///< the reduced scan is none of the campaign's
   std::vector<Source> sources_;
-  AngleSlopes slopes_;
+  std::vector<DeclaredCause> causes_;
   Eigen::MatrixXd polarization_root_;
   std::vector<bool> bias_decided_;
 };
@@ -341,35 +340,22 @@ MonteCarlo monte_carlo(const std::vector<CampaignScan>& scans, const CampaignOpt
                 "ask for some hundreds, such as 400");
   const Drawing drawing(scans, options, base, scan, reduction, reduce_options, draws);
   std::vector<std::optional<Drawing::Outcome>> outcomes(draws.draws);
-  std::atomic<std::size_t> next{0}, done{0};
   std::atomic<bool> stopped{false};
   std::mutex reporting;
+  std::size_t done = 0;
   std::string refusal;
-  std::exception_ptr failure;
-  const auto work = [&] {
-    for (std::size_t k = next++; k < draws.draws && !stopped; k = next++) {
-      try {
-        outcomes[k] = drawing.run(k);
-      } catch (const Error& error) {
-        const std::lock_guard lock(reporting);
-        refusal = error.what();
-      } catch (...) {
-        const std::lock_guard lock(reporting);
-        failure = std::current_exception();
-        stopped = true;
-      }
-      const std::lock_guard lock(reporting);
-      if (draws.progress && !draws.progress(++done, draws.draws)) stopped = true;
+  for_each_index(draws.draws, draws.threads, [&](std::size_t k) {
+    if (stopped) return;
+    std::string refused;
+    try {
+      outcomes[k] = drawing.run(k);
+    } catch (const Error& error) {
+      refused = error.what();
     }
-  };
-  const auto wanted = draws.threads > 0 ? static_cast<unsigned>(draws.threads)
-                                        : std::max(1U, std::thread::hardware_concurrency());
-  {
-    std::vector<std::jthread> threads;
-    for (unsigned t = 1; t < wanted; ++t) threads.emplace_back(work);
-    work();
-  }
-  if (failure) std::rethrow_exception(failure);
+    const std::lock_guard lock(reporting);
+    if (!refused.empty()) refusal = refused;
+    if (draws.progress && !draws.progress(++done, draws.draws)) stopped = true;
+  });
   if (stopped) throw Error("the Monte Carlo check was stopped", "start it again");
 
   MonteCarlo result;
@@ -393,36 +379,6 @@ MonteCarlo monte_carlo(const std::vector<CampaignScan>& scans, const CampaignOpt
     result.shift_per_sr.push_back(points.mean(i, n));
   }
   for (std::size_t i = 0; i < dhr.sum.size(); ++i) result.dhr_u.push_back(dhr.deviation(i, n));
-  return result;
-}
-
-MonteCarloAgreement compare_with_draws(const MonteCarlo& draws, const std::vector<double>& u_per_sr,
-                                       const std::vector<int>& used) {
-  constexpr double two_digits = 0.05;
-  MonteCarloAgreement result;
-  double sum = 0;
-  std::vector<double> logs;
-  for (std::size_t i = 0; i < u_per_sr.size(); ++i) {
-    if (used[i] == 0 || !(u_per_sr[i] > 0) || !(draws.u_per_sr[i] > 0)) continue;
-    logs.push_back(std::log(draws.u_per_sr[i] / u_per_sr[i]));
-    sum += logs.back();
-  }
-  result.points = logs.size();
-  if (logs.empty()) return result;
-  const auto count = static_cast<double>(logs.size());
-  const double scatter = 1.0 / std::sqrt(2.0 * (static_cast<double>(draws.draws) - 1.0));
-  // One point of all may be out in one case of a thousand.
-  const double z = std::sqrt(2.0) * boost::math::erfc_inv(1e-3 / count);
-  result.mean_ratio = std::exp(sum / count);
-  // Shared causes let all points scatter together, in the worst case as one.
-  result.allowed_mean = two_digits + 3.0 * scatter;
-  result.allowed_single = two_digits + z * scatter;
-  const auto [low, high] = std::minmax_element(logs.begin(), logs.end());
-  result.smallest_ratio = std::exp(*low);
-  result.largest_ratio = std::exp(*high);
-  for (double l : logs) result.outside += std::abs(l) > result.allowed_single;
-  result.agrees =
-      result.outside == 0 && std::abs(std::log(result.mean_ratio)) <= result.allowed_mean;
   return result;
 }
 

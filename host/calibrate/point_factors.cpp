@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <Eigen/Dense>
 
+#include "host/calibrate/declared_causes.hpp"
+
 namespace umov::calibrate {
 
 namespace {
@@ -21,16 +23,9 @@ class Collector {
 
   /// d ln f for a shift of the parameters of the point's wavelength.
   double log_shift(std::size_t i, const Eigen::VectorXd& shift) const {
-    const WavelengthCalibration& entry = calibration_.wavelengths[origin_[i].wavelength];
-    const auto& function = entry.instrument_function;
-    const auto count = static_cast<Eigen::Index>(function.degrees.size());
-    double sum = -shift(0);
-    if (count > 0) sum -= function.basis(points_.theta_r_deg[i]).dot(shift.segment(1, count));
-    if (entry.bias_active) {
-      const double lever = origin_[i].bias_lever;
-      sum -= lever / (1.0 + entry.detector_bias * lever) * shift(count + 1);
-    }
-    return sum;
+    const PointOrigin& origin = origin_[i];
+    return calibrate::log_shift(calibration_.wavelengths[origin.wavelength], points_.theta_r_deg[i],
+                                origin.bias_lever, shift);
   }
 
   template <class Shift>
@@ -76,37 +71,28 @@ void add_stray_light(Collector& collector, const formats::BrdfTable::Points& poi
 
 void add_declared(Collector& collector, const formats::BrdfTable::Points& points,
                   const std::vector<PointOrigin>& origin, const Calibration& calibration) {
-  const DeclaredDoubts& declared = calibration.declared;
-  if (declared.solid_angle_relative_u > 0)
-    collector.add("solid angle", [&](std::size_t i) {
-      return origin[i].other_solid_angle ? points.brdf_per_sr[i] * declared.solid_angle_relative_u
-                                         : 0.0;
-    });
-  if (!(declared.theta_i_zero_u_deg > 0 || declared.theta_r_zero_u_deg > 0 ||
-        declared.aperture_half_angle_deg > 0))
-    return;
-  const AngleSlopes slopes = angle_slopes(points);
-  if (declared.theta_r_zero_u_deg > 0)
-    collector.add("detector zero", [&](std::size_t i) {
-      double shift = slopes.detector[i] * declared.theta_r_zero_u_deg;
-      for (const Systematic& s : calibration.systematics)
-        if (s.kind == Systematic::Kind::detector_zero)
-          shift += shift_through_standard(collector, s, origin[i], points.brdf_per_sr[i], i);
+  for (const DeclaredCause& cause : declared_causes(points, origin, calibration))
+    collector.add(cause.name, [&](std::size_t i) {
+      double shift = cause.own_per_sr.empty() ? 0.0 : cause.own_per_sr[i];
+      if (cause.through_standard)
+        shift += shift_through_standard(collector, calibration.systematics[*cause.through_standard],
+                                        origin[i], points.brdf_per_sr[i], i);
       return shift;
-    });
-  if (declared.theta_i_zero_u_deg > 0)
-    collector.add("incidence zero",
-                  [&](std::size_t i) { return slopes.incidence[i] * declared.theta_i_zero_u_deg; });
-  if (declared.aperture_half_angle_deg > 0)
-    // The mean over a disc exceeds the middle by a²/8 times the Laplacian; across the plane the
-    // BRDF is taken to curve as it does in it.
-    collector.add("aperture", [&](std::size_t i) {
-      const double a = declared.aperture_half_angle_deg;
-      return 0.25 * a * a * slopes.curvature[i];
     });
 }
 
 }  // namespace
+
+double log_shift(const WavelengthCalibration& entry, double theta_r_deg, double bias_lever,
+                 const Eigen::VectorXd& shift) {
+  const auto& function = entry.instrument_function;
+  const auto count = static_cast<Eigen::Index>(function.degrees.size());
+  double sum = -shift(0);
+  if (count > 0) sum -= function.basis(theta_r_deg).dot(shift.segment(1, count));
+  if (entry.bias_active)
+    sum -= bias_lever / (1.0 + entry.detector_bias * bias_lever) * shift(count + 1);
+  return sum;
+}
 
 std::string statistics_factor_name(const WavelengthCalibration& entry, Eigen::Index column) {
   if (column == 0) return fmt::format("gain {:g} nm", entry.wavelength_nm);

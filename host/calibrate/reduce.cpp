@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "host/calibrate/aperture.hpp"
 #include "host/calibrate/dhr.hpp"
 #include "host/calibrate/dolp.hpp"
 #include "host/calibrate/ideal_states.hpp"
@@ -90,6 +91,72 @@ void check_scan(const formats::ScanTable& scan, const Calibration& calibration) 
                 "reduce scans of role `sample` or `white`");
 }
 
+/// The standard's records, too, were taken at other angles than commanded; what that did to gain
+/// and instrument function goes with the alignment.
+class AlignedStandard {
+ public:
+  AlignedStandard(const Calibration& calibration, const Alignment& alignment)
+      : calibration_(calibration) {
+    const DeclaredDoubts& declared = calibration.declared;
+    for (const Systematic& s : calibration.systematics) {
+      if (s.kind == Systematic::Kind::detector_zero && alignment.theta_r_zero_deg != 0)
+        parts_.push_back({&s, alignment.theta_r_zero_deg / declared.theta_r_zero_u_deg});
+      if (s.kind == Systematic::Kind::standard_lean && alignment.standard_lean_deg != 0)
+        parts_.push_back({&s, alignment.standard_lean_deg / declared.sample_lean_u_deg});
+    }
+  }
+
+  /// What a BRDF is to be multiplied by.
+  double factor(std::size_t wavelength, double theta_r_deg, double bias_lever) const {
+    double sum = 0;
+    for (const auto& [systematic, times] : parts_)
+      sum += times * log_shift(calibration_.wavelengths[wavelength], theta_r_deg, bias_lever,
+                               systematic->shift[wavelength]);
+    // The factor describes by how much points read too high; they are put right.
+    return std::exp(-sum);
+  }
+
+ private:
+  const Calibration& calibration_;
+  std::vector<std::pair<const Systematic*, double>> parts_;
+};
+
+void take_out_aperture(formats::BrdfTable::Points& points, std::vector<PointOrigin>& origin,
+                       const Calibration& calibration, double solid_angle_sr,
+                       const BrdfShape& shape, ReduceSummary& summary) {
+  const double half_angle = calibration.declared.aperture_half_angle_deg *
+                            std::sqrt(solid_angle_sr / calibration.solid_angle_sr);
+  if (!(half_angle > 0)) return;
+  const ApertureExcess excess = shape ? aperture_excess(points, shape, half_angle)
+                                      : aperture_excess(points, angle_slopes(points), half_angle);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points.brdf_per_sr[i] -= excess.per_sr[i];
+    origin[i].aperture_excess_per_sr = excess.per_sr[i];
+    origin[i].aperture_doubt_per_sr = excess.doubt_per_sr[i];
+    if (points.used[i] != 0 && points.brdf_u[i] < 0.1 * std::abs(points.brdf_per_sr[i]))
+      summary.largest_aperture_share = std::max(summary.largest_aperture_share,
+                                                std::abs(excess.per_sr[i] / points.brdf_per_sr[i]));
+  }
+  if (summary.largest_aperture_share > 1e-4)
+    summary.notes.push_back(fmt::format(
+        "the detector disc's averaging is taken out of the points: up to {:.2g} % of the BRDF",
+        100 * summary.largest_aperture_share));
+  if (excess.too_narrow > 0)
+    summary.notes.push_back(fmt::format(
+        "{} points lie on a lobe as narrow as the detector disc: the disc's averaging is not taken "
+        "out of them and stands in their uncertainty",
+        excess.too_narrow));
+}
+
+void set_slopes(const formats::BrdfTable::Points& points, std::vector<PointOrigin>& origin,
+                const BrdfShape& shape) {
+  const AngleSlopes slopes = shape ? angle_slopes(points, shape) : angle_slopes(points);
+  for (std::size_t i = 0; i < origin.size(); ++i) {
+    origin[i].by_incidence_per_sr_deg = slopes.incidence[i];
+    origin[i].by_detector_per_sr_deg = slopes.detector[i];
+  }
+}
+
 void summarise(const formats::BrdfTable& table, ReduceSummary& summary) {
   std::vector<double> own, total;
   for (std::size_t i = 0; i < table.points.size(); ++i) {
@@ -123,6 +190,7 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
                 "give it in sr, such as 1e-4");
 
   const auto analysed = analysed_signals(scan, set_up, calibration);
+  const AlignedStandard standard(calibration, options.alignment);
 
   auto& points = table.points;
   std::vector<PointOrigin> origin;
@@ -131,7 +199,10 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
       ++summary.excluded;
       continue;
     }
-    const double cosine = std::cos(scan.theta_r_deg[i] * degree);
+    const bool aligned = scan.phi_r_deg[i] == 0;
+    const double theta_i = scan.theta_i_deg[i] + (aligned ? options.alignment.theta_i_deg() : 0.0);
+    const double theta_r = scan.theta_r_deg[i] + (aligned ? options.alignment.theta_r_deg() : 0.0);
+    const double cosine = std::cos(theta_r * degree);
     if (!(cosine > 1e-6) || !(scan.monitor_v[i] > 0)) {
       ++summary.excluded;
       continue;
@@ -140,6 +211,9 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
     PointOrigin o;
     o.wavelength = calibration.index_of(scan.wavelength_nm[i]);
     o.gain = gain;
+    o.theta_i_commanded_deg = scan.theta_i_deg[i];
+    o.theta_r_commanded_deg = scan.theta_r_deg[i];
+    o.direction = scan.direction[i];
     const WavelengthCalibration& entry = calibration.wavelengths[o.wavelength];
     const DarkChoice dark = choose_dark(own_dark, calibration.dark, gain);
     o.own_dark = dark.own;
@@ -159,10 +233,10 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
     const double response = entry.bias_active ? 1.0 + entry.detector_bias * o.bias_lever : 1.0;
 
     const InstrumentFunction& function = entry.instrument_function;
-    const double theta_r = scan.theta_r_deg[i];
-    const bool covered = function.covers(theta_r);
+    const double arm = std::clamp(scan.theta_r_deg[i], function.min_deg, function.max_deg);
+    const bool covered = function.covers(scan.theta_r_deg[i]);
     const double correction =
-        function.value(std::clamp(theta_r, function.min_deg, function.max_deg));
+        function.value(arm) * (aligned ? standard.factor(o.wavelength, arm, o.bias_lever) : 1.0);
 
     const double volts = (scan.x_v[i] - dark.level.x_v) * std::cos(entry.phase_rad) +
                          (scan.y_v[i] - dark.level.y_v) * std::sin(entry.phase_rad);
@@ -174,7 +248,8 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
         correction / (entry.gain_constant_v * solid_angle * scan.monitor_v[i] * cosine * response);
     o.other_solid_angle =
         std::abs(solid_angle / calibration.solid_angle_sr - 1.0) > same_solid_angle;
-    const double stray = calibration.stray.level(scan.wavelength_nm[i], theta_r, scan.phi_r_deg[i]);
+    const double stray =
+        calibration.stray.level(scan.wavelength_nm[i], scan.theta_r_deg[i], scan.phi_r_deg[i]);
     const double f = (o.signal_v - o.stray_v * stray) * o.per_volt;
     const double sd = std::sqrt(record_variance(noise, entry, gain, scan.x_v[i]));
     o.noise_dof = entry.record_scatter > 0
@@ -191,7 +266,7 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
       ++summary.outside_instrument_function;
       used = false;
     }
-    if (from_retro_deg(scan.theta_i_deg[i], theta_r, scan.phi_r_deg[i]) <
+    if (from_retro_deg(scan.theta_i_deg[i], scan.theta_r_deg[i], scan.phi_r_deg[i]) <
         calibration.retro_shadow_deg - 1e-6) {
       ++summary.in_shadow;
       used = false;
@@ -199,7 +274,7 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
     // Such a point stays: leaving out those that noise pushes down would raise the mean of the
     // rest.
     if (!(f > u)) ++summary.below_noise;
-    points.theta_i_deg.push_back(scan.theta_i_deg[i]);
+    points.theta_i_deg.push_back(theta_i);
     points.theta_r_deg.push_back(theta_r);
     points.phi_r_deg.push_back(scan.phi_r_deg[i]);
     points.wavelength_nm.push_back(scan.wavelength_nm[i]);
@@ -214,6 +289,8 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
     throw Error("no record of the scan was taken with the plain set-up",
                 "give a scan with rows outside of the blocks that change the set-up");
   summary.points = points.size();
+  take_out_aperture(points, origin, calibration, solid_angle, options.shape, summary);
+  set_slopes(points, origin, options.shape);
   table.factors = point_factors(points, origin, calibration, own_dark);
   result.origin = origin;
   std::vector<std::size_t> wavelength;
@@ -223,6 +300,12 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
   table.keys = scan.keys;
   for (const auto& [name, value] : calibration.keys)
     table.keys.emplace_back("calibration_" + name, value);
+  if (options.alignment.theta_i_deg() != 0 || options.alignment.theta_r_deg() != 0) {
+    table.keys.emplace_back("aligned_theta_i_deg",
+                            fmt::format("{:.4f}", options.alignment.theta_i_deg()));
+    table.keys.emplace_back("aligned_theta_r_deg",
+                            fmt::format("{:.4f}", options.alignment.theta_r_deg()));
+  }
 
   if (options.dolp) {
     const DolpCount count = add_dolp(table);

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "host/calibrate/alignment.hpp"
+#include "host/calibrate/angle_slopes.hpp"
 #include "host/calibrate/calibration.hpp"
 #include "host/calibrate/mueller.hpp"
 #include "host/calibrate/point_factors.hpp"
@@ -23,12 +25,21 @@ struct ReduceOptions {
   /// Mueller elements where there are oblique states (±45°); also the four that P and S give where
   /// `mueller_partial`.
   bool mueller = true, mueller_partial = false;
+  /// Angles of points in the plane of incidence become the true ones. The declared doubts of zeros
+  /// and leans enter a fit by derivatives alone, which is too little for a lobe that is shifted by
+  /// a tenth of a degree: this leaves to them what is left.
+  Alignment alignment;
+  /// The BRDF's course between the points, where it is known better than the points themselves tell
+  /// it: for derivatives by the angles and for the average over the detector disc. Empty: from the
+  /// points.
+  BrdfShape shape;
 };
 
 struct ReduceSummary {
   std::size_t records = 0, points = 0, excluded = 0;
   std::size_t saturated = 0, outside_instrument_function = 0, below_noise = 0, in_shadow = 0;
   std::size_t dolp = 0, dolp_skipped = 0;
+  double largest_aperture_share = 0;  ///< of the detector disc's excess in a used point's BRDF
   MuellerSummary mueller;
   double median_relative_u = 0;        ///< of used points, independent part
   double median_relative_total_u = 0;  ///< with the shared factors

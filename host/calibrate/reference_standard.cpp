@@ -10,6 +10,7 @@
 #include "host/calibrate/calibration.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/order_statistics.hpp"
+#include "host/optics/angles.hpp"
 
 namespace umov::calibrate {
 
@@ -215,6 +216,20 @@ std::optional<double> ReferenceStandard::brdf(double theta_i_deg, double theta_r
   const auto stated = dhr(wavelength_nm);
   if (!stated) return std::nullopt;
   return share * *stated * std::numbers::inv_pi * (1.0 + shape_amplitude_ * shape(theta_r_deg));
+}
+
+double ReferenceStandard::log_slope_per_deg(double theta_i_deg, double theta_r_deg,
+                                            double phi_r_deg, double wavelength_nm,
+                                            double polarizer_deg, double analyzer_deg) const {
+  constexpr double half_step_deg = 0.5;
+  const auto beside = [&](double step_deg) {
+    return brdf(theta_i_deg, theta_r_deg + step_deg, phi_r_deg, wavelength_nm, polarizer_deg,
+                analyzer_deg);
+  };
+  const double cosine_part = -optics::radians(1.0) * std::tan(optics::radians(theta_r_deg));
+  const auto low = beside(-half_step_deg), high = beside(half_step_deg);
+  if (!low || !high || !(*low > 0) || !(*high > 0)) return cosine_part;
+  return cosine_part + std::log(*high / *low) / (2 * half_step_deg);
 }
 
 std::optional<double> ReferenceStandard::dhr(double wavelength_nm) const {

@@ -37,6 +37,10 @@ class ReferenceStandard {
   /// wavelength, cubic in the exit angle; nullopt outside.
   std::optional<double> brdf(double theta_i_deg, double theta_r_deg, double phi_r_deg,
                              double wavelength_nm, double polarizer_deg, double analyzer_deg) const;
+  /// d ln(f cosθr)/dθr per degree: what a step of the detector does to the standard's signal. Only
+  /// the cosine's part at the edges of a table.
+  double log_slope_per_deg(double theta_i_deg, double theta_r_deg, double phi_r_deg,
+                           double wavelength_nm, double polarizer_deg, double analyzer_deg) const;
   /// Stated reflectance; nullopt where only a table is known.
   std::optional<double> dhr(double wavelength_nm) const;
   /// Relative one-sigma uncertainty of the scale, common to all wavelengths.

@@ -106,8 +106,7 @@ std::optional<StandardFit> try_fit(const std::vector<StandardRow>& rows,
     if (lu.rcond() < 1e-12) return std::nullopt;
     inverse = unit.asDiagonal() * lu.inverse() * unit.asDiagonal();
     const Eigen::VectorXd gradient =
-        jacobian.transpose() * residual -
-        prior_weight.cwiseProduct(fit.parameters - prior_mean);
+        jacobian.transpose() * residual - prior_weight.cwiseProduct(fit.parameters - prior_mean);
     const Eigen::VectorXd step = inverse * gradient;
     fit.parameters += step;
     if (step.cwiseAbs().maxCoeff() < 1e-10) break;

@@ -15,9 +15,11 @@ struct StandardRow {
   double base = 0;      ///< f cosθr ΔΩ monitor of the standard: the signal is C base /IF …
   double theta_r_deg = 0;
   double phi_r_deg = 0;
-  double stray_base = 0;       ///< a ΔΩ monitor: stray light of level L brings C L times this
-  double volts_per_stray = 0;  ///< C times that, once C is known
-  double from_retro_deg = 90;  ///< angle between exit direction and the way back to the source
+  double stray_base = 0;         ///< a ΔΩ monitor: stray light of level L brings C L times this
+  double volts_per_stray = 0;    ///< C times that, once C is known
+  double from_retro_deg = 90;    ///< angle between exit direction and the way back to the source
+  int direction = 1;             ///< of the detector's last move
+  double log_slope_per_deg = 0;  ///< d ln(f cosθr)/dθr of the standard
   double gain = 1;
   double bias_lever = 0;       ///< the signal goes with 1 + δ lever
   double retention_lever = 0;  ///< and with 1 + m lever, m the polarisation that the standard keeps

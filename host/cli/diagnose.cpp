@@ -22,7 +22,7 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> scans;
-  std::string json;
+  std::string json, next;
   gap::scan::ScanDiagnoseOptions options;
 };
 
@@ -35,6 +35,7 @@ std::string hash_of(const std::vector<std::string>& files) {
 
 void run(Arguments& a, const Common& common) {
   if (!a.json.empty()) require_product_output(a.scans, a.json);
+  if (!a.next.empty()) require_product_output(a.scans, a.next);
   std::vector<formats::ScanTable> scans;
   for (const std::string& path : a.scans) scans.push_back(formats::read_scan(path).table);
 
@@ -58,6 +59,7 @@ void run(Arguments& a, const Common& common) {
   source.notes = result.notes;
   const std::string text = gap::diagnosis_to_json(result.answer, source);
   if (!a.json.empty()) formats::replace_file(a.json, text);
+  if (!a.next.empty() && !result.next_plan.empty()) formats::replace_file(a.next, result.next_plan);
   if (common.json) {
     fmt::print("{}", text);
   } else if (!common.quiet) {
@@ -74,6 +76,8 @@ void add_diagnose_command(CLI::App& root, const Common& common) {
   command->add_option("scans", a->scans, "scan.h5 or Scan CSV; several of one sample together")
       ->required();
   command->add_option("--json", a->json, "write the diagnosis to this file");
+  command->add_option("--next", a->next,
+                      "write the plan of the scan to take next, where one is prescribed");
   command->add_option("-m,--model", a->options.model.model, "reflectance model of the simulation")
       ->capture_default_str();
   command->add_option("--without", a->options.without, "effects that the diagnosis must do without")

@@ -21,6 +21,7 @@
 #include "host/formats/brdf_h5.hpp"
 #include "host/formats/h5_kind.hpp"
 #include "host/formats/hdf5_image.hpp"
+#include "host/formats/klems_means.hpp"
 #include "host/formats/klems_table.hpp"
 #include "host/formats/scan_csv.hpp"
 #include "host/formats/scan_h5.hpp"
@@ -48,8 +49,11 @@ struct Exported {
   std::vector<std::string> notes = {};  ///< of tables
   bool table = false;
   std::optional<formats::TableDifference> difference = {};
+  bool patch_means = false;  ///< `difference` is to means over the patches of the file
   std::optional<formats::ReflectanceDifference> reflectance = {};
-  bool without_mirror_patches = false;  ///< in `difference`
+  /// Where it is: to the source's own values. Not for several wavelengths, which have no such.
+  std::optional<formats::TableDifference> pointwise = {};
+  bool without_mirror_patches = false;  ///< in `pointwise`
 };
 
 formats::TableWriting writing_of(const Options& options, const Common& common) {
@@ -101,6 +105,24 @@ Exported export_points(const Options& options, const formats::TableWriting& writ
   return {std::string(format.name) + " points", brdf.table.points.size()};
 }
 
+/// A file of patches against the source's means over the same patches, and what the patches cost.
+void read_patches_back(const formats::KlemsTable& back, const brdf::Table& source,
+                       const std::vector<double>& written, Exported& exported) {
+  const formats::KlemsMeans means(source, back.matrix().incident, written);
+  const std::vector<double>& band_um = back.wavelengths_um();
+  exported.difference = formats::compare_tables(back, means, band_um);
+  exported.patch_means = true;
+  exported.reflectance =
+      formats::compare_reflectances(back, band_um.front(), means, band_um.front(), true);
+  if (written.size() > 1) return;
+  std::function<bool(const brdf::Geometry<double>&)> mirror_patch;
+  const auto* model = dynamic_cast<const formats::ModelTable*>(&source);
+  if (model != nullptr && model->has_mirror())
+    mirror_patch = [&back](const auto& geometry) { return back.in_mirror_patch(geometry); };
+  exported.without_mirror_patches = mirror_patch != nullptr;
+  exported.pointwise = formats::compare_tables(back, source, band_um, written, mirror_patch);
+}
+
 /// What reading the file again yields, against what was written.
 void read_back(const Options& options, const formats::TableFormat& format,
                const brdf::Table& source, const formats::TableWriting& writing,
@@ -109,18 +131,14 @@ void read_back(const Options& options, const formats::TableFormat& format,
   const formats::TablePtr back = formats::read_table(options.output, format.name);
   const std::vector<double>& stored = back->wavelengths_um();
   std::vector<double> written = formats::written_wavelengths(source, writing);
+  if (const auto* klems = dynamic_cast<const formats::KlemsTable*>(back.get());
+      klems != nullptr && dynamic_cast<const formats::KlemsTable*>(&source) == nullptr)
+    return read_patches_back(*klems, source, written, exported);
   // A format with fixed channels was sampled at their wavelengths, or with one value for all.
   if (written.size() != stored.size() && writing.wavelengths_um.empty()) written = stored;
   if (written.size() == 1) written.assign(stored.size(), written.front());
   if (written.size() != stored.size()) return;
-  // A table of the source's values has no mirror part to compare with.
-  std::function<bool(const brdf::Geometry<double>&)> mirror_patch;
-  const auto* model = dynamic_cast<const formats::ModelTable*>(&source);
-  const auto* klems = dynamic_cast<const formats::KlemsTable*>(back.get());
-  if (klems != nullptr && model != nullptr && model->has_mirror())
-    mirror_patch = [klems](const auto& geometry) { return klems->in_mirror_patch(geometry); };
-  exported.without_mirror_patches = mirror_patch != nullptr;
-  exported.difference = formats::compare_tables(*back, source, stored, written, mirror_patch);
+  exported.difference = formats::compare_tables(*back, source, stored, written);
   const std::size_t middle = stored.size() / 2;
   exported.reflectance = formats::compare_reflectances(*back, stored[middle], source,
                                                        written[middle], format.takes_mirror);
@@ -144,7 +162,7 @@ Exported export_table(const Options& options, const formats::TablePtr& source,
   writing.progress = [&](double done, double total) { progress.update(done, total); };
   formats::write_table(options.output, format.name, *source, writing);
   progress.finish();
-  Exported exported{std::string(format.name), 0, writing.notes, true, {}, {}, false};
+  Exported exported{std::string(format.name), 0, writing.notes, true};
   read_back(options, format, *source, writing, exported);
   return exported;
 }
@@ -190,6 +208,28 @@ void require_sources(const Options& options) {
       require_new_output(setting.substr(equals + 1), options.output, options.force);
 }
 
+nlohmann::ordered_json difference_json(const formats::TableDifference& difference) {
+  return {{"directions", difference.directions},
+          {"median", difference.median},
+          {"p95", difference.p95},
+          {"worst", difference.worst}};
+}
+
+void print_differences(const Exported& exported) {
+  const bool patches = exported.patch_means;
+  if (exported.difference)
+    fmt::print("read back, it {}\n",
+               exported.difference->sentence(patches ? "its source's means over the patches"
+                                                     : "its source"));
+  if (exported.pointwise)
+    fmt::print("a patch is no direction: it {}{}\n",
+               exported.pointwise->sentence("its source in single directions"),
+               exported.without_mirror_patches ? ", mirror patches left out" : "");
+  if (exported.reflectance)
+    fmt::print("{}\n", exported.reflectance->sentence(patches ? "the source over the same rings"
+                                                              : "the source"));
+}
+
 void run(const Options& options, const Common& common) {
   require_sources(options);
   const Exported exported = export_source(options, common);
@@ -197,13 +237,12 @@ void run(const Options& options, const Common& common) {
     nlohmann::ordered_json out{{"file", options.output}, {"format", exported.format}};
     if (exported.table) {
       out["notes"] = exported.notes;
-      if (exported.difference)
-        out["difference"] = {{"directions", exported.difference->directions},
-                             {"median", exported.difference->median},
-                             {"p95", exported.difference->p95},
-                             {"worst", exported.difference->worst}};
-      if (exported.difference && exported.without_mirror_patches)
-        out["difference"]["without"] = "mirror patches";
+      if (exported.difference) out["difference"] = difference_json(*exported.difference);
+      if (exported.patch_means) out["difference"]["of"] = "patch means";
+      if (exported.pointwise) {
+        out["pointwise"] = difference_json(*exported.pointwise);
+        if (exported.without_mirror_patches) out["pointwise"]["without"] = "mirror patches";
+      }
       if (exported.reflectance)
         out["dhr"] = {{"theta_i_deg", formats::ReflectanceDifference::theta_i_deg},
                       {"file", exported.reflectance->found},
@@ -220,10 +259,7 @@ void run(const Options& options, const Common& common) {
     }
     fmt::print("{}: {}\n", options.output, exported.format);
     for (const std::string& note : exported.notes) fmt::print("note: {}\n", note);
-    if (exported.difference)
-      fmt::print("read back, it {}{}\n", exported.difference->sentence(),
-                 exported.without_mirror_patches ? ", mirror patches left out" : "");
-    if (exported.reflectance) fmt::print("{}\n", exported.reflectance->sentence());
+    print_differences(exported);
   }
 }
 

@@ -21,8 +21,10 @@
 #include "host/cli/progress.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/brdf_h5.hpp"
+#include "host/formats/fit_file.hpp"
 #include "host/formats/scan_h5.hpp"
 #include "host/formats/sha256.hpp"
+#include "host/invert/prediction.hpp"
 
 namespace umov::cli {
 namespace {
@@ -33,6 +35,7 @@ struct Options {
   std::string campaign;
   std::string output;
   std::string budget;
+  std::vector<std::string> guides;
   std::size_t draws = 0;
   calibrate::ReduceOptions reduce;
 };
@@ -84,10 +87,14 @@ calibrate::Calibration find_calibration(const Options& options, const formats::S
   return calibrate::calibration_from_header(scan);
 }
 
-void print_text(const calibrate::Reduction& reduction, const PointQuality& quality,
-                const std::string& origin, const std::string& output) {
+void print_text(const calibrate::Reduction& reduction, const calibrate::Alignment& alignment,
+                const PointQuality& quality, const std::string& origin, const std::string& output) {
   const auto& s = reduction.summary;
   fmt::print("calibration: {}\n", origin);
+  if (alignment.theta_i_deg() != 0 || alignment.theta_r_deg() != 0)
+    fmt::print(
+        "angles of the fits: theta_i {:+.4f} deg, theta_r {:+.4f} deg beside the commanded ones\n",
+        alignment.theta_i_deg(), alignment.theta_r_deg());
   fmt::print("{} records: {} points, {} left out (changed set-up or shutter closed)\n", s.records,
              s.points, s.excluded);
   fmt::print(
@@ -121,8 +128,9 @@ void print_text(const calibrate::Reduction& reduction, const PointQuality& quali
   fmt::print("\n{} written\n", output);
 }
 
-nlohmann::json to_json(const calibrate::Reduction& reduction, const PointQuality& quality,
-                       const std::string& origin, const std::string& output) {
+nlohmann::json to_json(const calibrate::Reduction& reduction, const calibrate::Alignment& alignment,
+                       const PointQuality& quality, const std::string& origin,
+                       const std::string& output) {
   const auto& s = reduction.summary;
   nlohmann::json factors = nlohmann::json::array(), dhr = nlohmann::json::array();
   for (const auto& factor : reduction.table.factors) factors.push_back(factor.name);
@@ -132,30 +140,33 @@ nlohmann::json to_json(const calibrate::Reduction& reduction, const PointQuality
                    {"theta_i_deg", d.theta_i_deg[k]},
                    {"dhr", d.dhr[k]},
                    {"dhr_u", d.dhr_u[k]}});
-  nlohmann::json out{{"file", output},
-                     {"calibration", origin},
-                     {"records", s.records},
-                     {"points", s.points},
-                     {"excluded", s.excluded},
-                     {"saturated", s.saturated},
-                     {"outside_instrument_function", s.outside_instrument_function},
-                     {"in_shadow", s.in_shadow},
-                     {"below_noise", s.below_noise},
-                     {"median_relative_u", s.median_relative_u},
-                     {"median_relative_total_u", s.median_relative_total_u},
-                     {"dolp", s.dolp},
-                     {"mueller",
-                      {{"directions", s.mueller.directions},
-                       {"complete", s.mueller.complete},
-                       {"left_out", s.mueller.left_out},
-                       {"unphysical", s.mueller.unphysical},
-                       {"chi2", s.mueller.chi2},
-                       {"degrees_of_freedom", s.mueller.dof},
-                       {"largest_condition", s.mueller.largest_condition},
-                       {"undetermined", s.mueller.undetermined}}},
-                     {"dhr", dhr},
-                     {"factors", factors},
-                     {"notes", s.notes}};
+  nlohmann::json out{
+      {"file", output},
+      {"calibration", origin},
+      {"records", s.records},
+      {"points", s.points},
+      {"excluded", s.excluded},
+      {"saturated", s.saturated},
+      {"outside_instrument_function", s.outside_instrument_function},
+      {"in_shadow", s.in_shadow},
+      {"below_noise", s.below_noise},
+      {"median_relative_u", s.median_relative_u},
+      {"median_relative_total_u", s.median_relative_total_u},
+      {"dolp", s.dolp},
+      {"mueller",
+       {{"directions", s.mueller.directions},
+        {"complete", s.mueller.complete},
+        {"left_out", s.mueller.left_out},
+        {"unphysical", s.mueller.unphysical},
+        {"chi2", s.mueller.chi2},
+        {"degrees_of_freedom", s.mueller.dof},
+        {"largest_condition", s.mueller.largest_condition},
+        {"undetermined", s.mueller.undetermined}}},
+      {"dhr", dhr},
+      {"angles",
+       {{"theta_i_deg", alignment.theta_i_deg()}, {"theta_r_deg", alignment.theta_r_deg()}}},
+      {"factors", factors},
+      {"notes", s.notes}};
   add_quality(quality, reduction, out);
   return out;
 }
@@ -175,10 +186,27 @@ EvaluatedCampaign evaluate(const std::string& file) {
   return campaign;
 }
 
+/// What fits of earlier reductions of this scan tell: each the angles that were still off, the last
+/// one the BRDF's course between the points.
+void take_guidance(const std::vector<std::string>& files, const formats::ScanTable& scan,
+                   const calibrate::Calibration& calibration, calibrate::ReduceOptions& options) {
+  for (const std::string& file : files) {
+    const formats::FitResult fit = formats::read_fit(file);
+    for (const double nm : calibrate::wavelengths_of(scan))
+      if (!fit.wavelength_index(nm))
+        throw Error(Place{file},
+                    fmt::format("has no model at {:g} nm, where the scan was taken", nm),
+                    "guide by a fit of this scan");
+    options.alignment += calibrate::alignment_found(fit, calibration.declared);
+    options.shape = invert::brdf_function(fit);
+  }
+}
+
 /// Draws the whole chain again and again and lays the scatter beside the propagation.
 void check_by_draws(const Options& options, const Common& common, const formats::ScanTable& scan,
-                    const EvaluatedCampaign& campaign, const calibrate::Reduction& reduction,
-                    PointQuality& quality) {
+                    const EvaluatedCampaign& campaign,
+                    const calibrate::ReduceOptions& reduce_options,
+                    const calibrate::Reduction& reduction, PointQuality& quality) {
   catch_interrupts();
   Progress progress("Monte Carlo", common.quiet);
   calibrate::MonteCarloOptions draws;
@@ -193,7 +221,7 @@ void check_by_draws(const Options& options, const Common& common, const formats:
                                         scan.key("role").value_or(""),
                                         formats::sha256_of_file(options.scan)};
   quality.draws = calibrate::monte_carlo(campaign.scans, campaign.options, campaign.result, reduced,
-                                         reduction, options.reduce, draws);
+                                         reduction, reduce_options, draws);
   progress.finish();
   std::vector<double> propagated;
   for (const auto& point : quality.budget) propagated.push_back(point.combined_u);
@@ -202,10 +230,11 @@ void check_by_draws(const Options& options, const Common& common, const formats:
 }
 
 void run(const Options& options, const Common& common) {
-  require_product_output({options.scan, options.calibration, options.campaign}, options.output);
-  if (!options.budget.empty())
-    require_product_output({options.scan, options.calibration, options.campaign, options.output},
-                           options.budget);
+  std::vector<std::string> inputs = {options.scan, options.calibration, options.campaign};
+  inputs.insert(inputs.end(), options.guides.begin(), options.guides.end());
+  require_product_output(inputs, options.output);
+  inputs.push_back(options.output);
+  if (!options.budget.empty()) require_product_output(inputs, options.budget);
   if (options.draws > 0 && options.campaign.empty())
     throw Error("a Monte Carlo check needs the scans that the calibration was made of",
                 "give --campaign campaign.toml instead of --calibration");
@@ -215,12 +244,15 @@ void run(const Options& options, const Common& common) {
   if (!options.campaign.empty()) campaign = evaluate(options.campaign);
   const auto calibration =
       campaign ? campaign->result.calibration : find_calibration(options, file.table, origin);
-  calibrate::Reduction reduction = calibrate::reduce(file.table, calibration, options.reduce);
+  calibrate::ReduceOptions how = options.reduce;
+  take_guidance(options.guides, file.table, calibration, how);
+  calibrate::Reduction reduction = calibrate::reduce(file.table, calibration, how);
   PointQuality quality;
   quality.reciprocity = calibrate::check_reciprocity(reduction.table);
   if (!options.budget.empty() || options.draws > 0)
     quality.budget = calibrate::budget_of(reduction, calibration);
-  if (options.draws > 0) check_by_draws(options, common, file.table, *campaign, reduction, quality);
+  if (options.draws > 0)
+    check_by_draws(options, common, file.table, *campaign, how, reduction, quality);
   if (!options.budget.empty())
     calibrate::write_budget(options.budget, reduction, quality.budget,
                             quality.draws ? quality.draws->u_per_sr : std::vector<double>{});
@@ -229,15 +261,17 @@ void run(const Options& options, const Common& common) {
   keys.emplace_back("calibration_origin", origin);
   if (!options.calibration.empty())
     keys.emplace_back("calibration_sha256", formats::sha256_of_file(options.calibration));
+  for (const std::string& guide : options.guides)
+    keys.emplace_back("guide_sha256", formats::sha256_of_file(guide));
   formats::Provenance provenance = file.provenance;
   provenance.program = "umov " UMOV_VERSION;
   provenance.command = common.command_line;
   provenance.created.clear();
   formats::write_brdf_h5(options.output, reduction.table, provenance);
   if (common.json)
-    fmt::print("{}\n", to_json(reduction, quality, origin, options.output).dump());
+    fmt::print("{}\n", to_json(reduction, how.alignment, quality, origin, options.output).dump());
   else if (!common.quiet)
-    print_text(reduction, quality, origin, options.output);
+    print_text(reduction, how.alignment, quality, origin, options.output);
   if (!common.json && !common.quiet && options.reduce.mueller_partial && reduction.table.mueller)
     print_mueller(*reduction.table.mueller);
 }
@@ -263,6 +297,12 @@ void add_reduce_command(CLI::App& root, const Common& common) {
                    "check the uncertainties by so many draws through the whole chain (some "
                    "hundreds; needs --campaign)")
       ->check(CLI::Range(10, 1000000));
+  command->add_option("--guided-by", options->guides,
+                      "fit.json of an earlier reduction of this scan, in their order where there "
+                      "were several: puts "
+                      "the points at the angles that its lobes showed (of doubts declared in the "
+                      "campaign), and its "
+                      "model tells how the BRDF runs between them");
   command->add_flag(
       "--extrapolate", options->reduce.extrapolate_instrument_function,
       "use exit angles beyond the standard's with the instrument function of its edge");
@@ -279,7 +319,8 @@ void add_reduce_command(CLI::App& root, const Common& common) {
       "  umov reduce scan.h5 --calibration cal.h5 -o brdf.h5\n"
       "  umov reduce scan.csv -o brdf.h5 --json\n"
       "  umov reduce scan.h5 --calibration cal.h5 -o brdf.h5 --budget budget.csv\n"
-      "  umov reduce scan.h5 --campaign campaign.toml -o brdf.h5 --monte-carlo 400");
+      "  umov reduce scan.h5 --campaign campaign.toml -o brdf.h5 --monte-carlo 400\n"
+      "  umov reduce scan.h5 --calibration cal.h5 -o better.h5 --guided-by fit.json");
   command->callback([options, &common] { run(*options, common); });
 }
 

@@ -6,7 +6,9 @@
 #include <fmt/format.h>
 
 #include "host/brdf/table_dhr.hpp"
+#include "host/formats/klems_means.hpp"
 #include "host/formats/specular_table.hpp"
+#include "host/formats/spread.hpp"
 #include "host/formats/table_file.hpp"
 #include "host/optics/angles.hpp"
 #include "host/optics/mueller.hpp"
@@ -17,16 +19,6 @@ namespace {
 constexpr std::size_t directions = 1000;
 constexpr double integral_accuracy = 1e-4;
 constexpr int most_divisions = 512;
-
-/// Member `index` of the van der Corput sequence of `base`: evenly spread over [0, 1).
-double spread(std::size_t index, std::size_t base) {
-  double value = 0.0, step = 1.0;
-  for (; index > 0; index /= base) {
-    step /= static_cast<double>(base);
-    value += step * static_cast<double>(index % base);
-  }
-  return value;
-}
 
 brdf::Geometry<double> direction(std::size_t index) {
   const double most = optics::radians(TableDifference::most_deg);
@@ -40,12 +32,11 @@ brdf::Geometry<double> direction(std::size_t index) {
 
 }  // namespace
 
-std::string TableDifference::sentence() const {
+std::string TableDifference::sentence(std::string_view from) const {
   return fmt::format(
-      "differs from its source by {:.2g} % (median), {:.2g} % (95 % of {} directions with angles "
-      "up "
-      "to {:g} deg), {:.2g} % at most",
-      100 * median, 100 * p95, directions, most_deg, 100 * worst);
+      "differs from {} by {:.2g} % (median), {:.2g} % (95 % of {} directions with angles up to "
+      "{:g} deg), {:.2g} % at most",
+      from, 100 * median, 100 * p95, directions, most_deg, 100 * worst);
 }
 
 TableDifference compare_tables(const brdf::Table& table, const brdf::Table& reference,
@@ -90,9 +81,9 @@ double ReflectanceDifference::largest() const {
   return most;
 }
 
-std::string ReflectanceDifference::sentence() const {
-  return fmt::format("DHR at {} deg: {:.4f}; of the source: {:.4f}", fmt::join(theta_i_deg, ", "),
-                     fmt::join(found, ", "), fmt::join(expected, ", "));
+std::string ReflectanceDifference::sentence(std::string_view whose) const {
+  return fmt::format("DHR at {} deg: {:.4f}; of {}: {:.4f}", fmt::join(theta_i_deg, ", "),
+                     fmt::join(found, ", "), whose, fmt::join(expected, ", "));
 }
 
 ReflectanceDifference compare_reflectances(const brdf::Table& table, double wavelength_um,
@@ -101,6 +92,8 @@ ReflectanceDifference compare_reflectances(const brdf::Table& table, double wave
   const auto reflectance = [](const brdf::Table& of, double um, double theta_i, bool mirror) {
     if (const auto* model = dynamic_cast<const ModelTable*>(&of))
       return model->dhr(um, theta_i) + (mirror ? model->mirror(um, theta_i) : 0.0);
+    if (const auto* means = dynamic_cast<const KlemsMeans*>(&of))
+      return means->reflectance(theta_i);
     return brdf::integrate_table(of, um, theta_i, integral_accuracy, most_divisions).value[0];
   };
   ReflectanceDifference result;

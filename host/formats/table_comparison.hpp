@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host/brdf/table.hpp"
@@ -19,7 +20,7 @@ struct TableDifference {
   std::size_t directions = 0;
   double median = 0.0, p95 = 0.0, worst = 0.0;
   /// "differs from its source by 0.12 % (median), 1.3 % (95 % of 2000 directions), …".
-  std::string sentence() const;
+  std::string sentence(std::string_view from = "its source") const;
 };
 
 /// The directions are the same at every call. Wavelengths are not empty; those of the reference
@@ -38,12 +39,13 @@ struct ReflectanceDifference {
   static constexpr std::array<double, 3> theta_i_deg{10.0, 45.0, 70.0};
   std::array<double, 3> found{}, expected{};
   double largest() const;  ///< |found - expected|
-  /// "DHR at 10, 45, 70 deg: .5001, .5102, .5401; of the source .5000, …".
-  std::string sentence() const;
+  /// "DHR at 10, 45, 70 deg: .5001, .5102, .5401; of the source: .5000, …".
+  std::string sentence(std::string_view whose = "the source") const;
 };
 
 /// Each table at a wavelength of its own. `mirror_taken`: the table holds what a ModelTable as
-/// reference reflects exactly in the mirror direction. Integrals are good to some 1e-4.
+/// reference reflects exactly in the mirror direction; KlemsMeans as reference always count it, and
+/// are means over the ring of incidence. Integrals are good to some 1e-4.
 ReflectanceDifference compare_reflectances(const brdf::Table& table, double wavelength_um,
                                            const brdf::Table& reference,
                                            double reference_wavelength_um, bool mirror_taken);

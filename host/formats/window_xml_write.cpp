@@ -6,6 +6,7 @@
 #include "host/errors/error.hpp"
 #include "host/formats/decimal.hpp"
 #include "host/formats/klems_table.hpp"
+#include "host/formats/markup.hpp"
 #include "host/formats/visible_band.hpp"
 #include "host/formats/window_xml.hpp"
 
@@ -13,24 +14,6 @@ namespace umov::formats {
 namespace {
 
 constexpr double accuracy = 1e-3;
-
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&') {
-      out += "&amp;";
-    } else if (c == '<') {
-      out += "&lt;";
-    } else if (c == '>') {
-      out += "&gt;";
-    } else if (c == '"') {
-      out += "&quot;";
-    } else {
-      out += c;
-    }
-  }
-  return out;
-}
 
 /// XML comments end at two hyphens.
 std::string without_double_hyphens(std::string_view text) {
@@ -44,7 +27,7 @@ std::string without_double_hyphens(std::string_view text) {
 
 void append_basis(std::string& out, const KlemsBasis& basis) {
   out += fmt::format("\t\t\t<AngleBasis>\n\t\t\t\t<AngleBasisName>{}</AngleBasisName>\n",
-                     escaped(basis.name()));
+                     escaped_markup(basis.name()));
   for (const KlemsRing& ring : basis.rings()) {
     const double centre = ring.patches == 1 ? 0.0 : 0.5 * (ring.lower_deg + ring.upper_deg);
     out += fmt::format(
@@ -63,8 +46,8 @@ void append_block(std::string& out, const WindowBlock& block) {
       "\t\t\t<WavelengthDataBlock>\n\t\t\t\t<WavelengthDataDirection>{}</WavelengthDataDirection>\n"
       "\t\t\t\t<ColumnAngleBasis>{}</ColumnAngleBasis>\n\t\t\t\t<RowAngleBasis>{}</RowAngleBasis>\n"
       "\t\t\t\t<ScatteringDataType>BRDF</ScatteringDataType>\n\t\t\t\t<ScatteringData>\n",
-      escaped(block.direction), escaped(block.matrix.incident.name()),
-      escaped(block.matrix.exit.name()));
+      escaped_markup(block.direction), escaped_markup(block.matrix.incident.name()),
+      escaped_markup(block.matrix.exit.name()));
   for (std::size_t o = 0; o < block.matrix.exit.size(); ++o) {
     for (std::size_t i = 0; i < block.matrix.incident.size(); ++i) {
       if (i > 0) out += ' ';
@@ -215,7 +198,7 @@ std::string window_xml_text(const WindowElement& element, std::span<const std::s
       "\t\t\t<Material>\n\t\t\t\t<Name>{}</Name>\n\t\t\t\t<Manufacturer>{}</Manufacturer>\n"
       "\t\t\t\t<DeviceType>Other</DeviceType>\n\t\t\t</Material>\n"
       "\t\t\t<DataDefinition>\n\t\t\t\t<IncidentDataStructure>Columns</IncidentDataStructure>\n",
-      escaped(element.name), escaped(element.manufacturer));
+      escaped_markup(element.name), escaped_markup(element.manufacturer));
   const KlemsMatrix& first = element.blocks.front().matrix;
   append_basis(out, first.incident);
   if (!same_basis(first.incident, first.exit)) append_basis(out, first.exit);
@@ -228,7 +211,7 @@ std::string window_xml_text(const WindowElement& element, std::span<const std::s
         "\t\t\t<Wavelength unit=\"{}\">{}</Wavelength>\n"
         "\t\t\t<SourceSpectrum>CIE Illuminant D65 1nm.ssp</SourceSpectrum>\n"
         "\t\t\t<DetectorSpectrum>ASTM E308 1931 Y.dsp</DetectorSpectrum>\n",
-        escaped(unit), escaped(band));
+        escaped_markup(unit), escaped_markup(band));
     for (; n < element.blocks.size() && element.blocks[n].band == band &&
            element.blocks[n].unit == unit;
          ++n)

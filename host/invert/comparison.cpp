@@ -12,10 +12,10 @@
 #include "host/invert/fitted_model.hpp"
 #include "host/invert/neighbours.hpp"
 #include "host/invert/observations.hpp"
-#include "host/invert/parallel.hpp"
 #include "host/invert/prediction.hpp"
 #include "host/invert/residuals.hpp"
 #include "host/invert/stopwatch.hpp"
+#include "host/parallel/for_each_index.hpp"
 
 namespace umov::invert {
 namespace {

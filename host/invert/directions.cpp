@@ -8,8 +8,8 @@
 #include "host/errors/error.hpp"
 #include "host/formats/atomic_file.hpp"
 #include "host/formats/number_csv.hpp"
-#include "host/invert/parallel.hpp"
 #include "host/optics/angles.hpp"
+#include "host/parallel/for_each_index.hpp"
 
 namespace umov::invert {
 

@@ -7,8 +7,8 @@
 
 #include "host/brdf/dhr.hpp"
 #include "host/invert/dhr_gradient.hpp"
-#include "host/invert/parallel.hpp"
 #include "host/optics/angles.hpp"
+#include "host/parallel/for_each_index.hpp"
 
 namespace umov::invert {
 namespace {

@@ -42,22 +42,29 @@ void require_usable(const formats::BrdfTable::Points& p, std::size_t i) {
   }
 }
 
-/// Relative bend of a sequence along its scan rows: sum of |second differences| over sum of
-/// |values|.
+/// How far values stand off the straight lines between their neighbours along scan rows: sum of the
+/// distances times `unit`, which makes them shifts of the BRDF in its uncertainties. `angle` need
+/// not be in equal steps.
 double roughness(const std::vector<std::vector<std::size_t>>& rows,
-                 const std::vector<double>& values) {
-  double bend = 0, size = 0;
+                 const std::vector<double>& angle, const std::vector<double>& values,
+                 const std::vector<double>& unit) {
+  double sum = 0;
   for (const auto& row : rows) {
     for (std::size_t i = 1; i + 1 < row.size(); ++i) {
-      bend += std::abs(values[row[i - 1]] - 2 * values[row[i]] + values[row[i + 1]]);
-      size += std::abs(values[row[i]]);
+      const std::size_t before = row[i - 1], here = row[i], after = row[i + 1];
+      const double span = angle[after] - angle[before];
+      const double t = span > 0 ? (angle[here] - angle[before]) / span : 0.5;
+      const double line = (1 - t) * values[before] + t * values[after];
+      sum += std::abs(values[here] - line) * unit[here];
     }
   }
-  return size > 0 ? bend / size : std::numeric_limits<double>::infinity();
+  return sum;
 }
 
 /// A gain error was made from the noisy value, so factor/value is smooth along a row where the
 /// factor itself carries the noise and the lobe; for an additive error it is the other way round.
+/// Where a factor stands for itself alone (a drive's stop in one place) both are as rough, and the
+/// error counts as a relative one: of an angle it comes from the slope of a noisy curve.
 void classify(Spectrum& spectrum, CommonError& common) {
   std::map<std::size_t, std::vector<std::size_t>> by_row;
   for (std::size_t i = 0; i < spectrum.points.size(); ++i) {
@@ -88,7 +95,14 @@ void classify(Spectrum& spectrum, CommonError& common) {
   }
   if (!finite) return;
   const bool constant = highest - lowest <= 1e-9 * std::max(std::abs(highest), std::abs(lowest));
-  if (constant || roughness(rows, ratio) < roughness(rows, common.per_point)) {
+  std::vector<double> of_ratio, of_shift;
+  for (const Observation& point : spectrum.points) {
+    of_ratio.push_back(std::abs(point.brdf_per_sr) / point.sigma);
+    of_shift.push_back(1 / point.sigma);
+  }
+  constexpr double as_rough = 1.2;
+  if (constant || roughness(rows, theta_r, ratio, of_ratio) <
+                      as_rough * roughness(rows, theta_r, common.per_point, of_shift)) {
     common.relative = true;
     common.per_point = std::move(ratio);
   }

@@ -51,6 +51,21 @@ Prediction predict(const formats::FitResult& fit, const formats::BrdfTable& tabl
   return out;
 }
 
+std::function<double(double, double, double, double, double, double)> brdf_function(
+    const formats::FitResult& fit) {
+  return
+      [model = FittedModel(fit)](double theta_i_deg, double theta_r_deg, double phi_r_deg,
+                                 double wavelength_nm, double polarizer_deg, double analyzer_deg) {
+        // Light from the other side of the normal: the same plane seen from behind.
+        const double side = theta_i_deg < 0 ? -1 : 1;
+        View view;
+        view.geometry = {optics::radians(side * theta_i_deg), optics::radians(side * theta_r_deg),
+                         optics::radians(phi_r_deg)};
+        return model.value(model.wavelength(wavelength_nm), view,
+                           channel_of(polarizer_deg, analyzer_deg));
+      };
+}
+
 Hemisphere hemisphere(const formats::FitResult& fit, double wavelength_nm, double theta_i_deg,
                       double theta_step_deg, double phi_step_deg) {
   if (!(theta_i_deg >= 0 && theta_i_deg < 90)) {

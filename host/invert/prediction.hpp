@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +23,13 @@ struct Prediction {
 };
 /// Throws umov::Error where the table has a wavelength that was not fitted.
 Prediction predict(const formats::FitResult& fit, const formats::BrdfTable& table);
+
+/// The fitted BRDF as a function of θi, θr (signed in plane), φr in degrees, wavelength in nm and
+/// the axes of polariser and analyser in degrees (open_axis = open); 1/sr, without the mirror part.
+/// Throws umov::Error, when called, for a wavelength that was not fitted.
+std::function<double(double theta_i_deg, double theta_r_deg, double phi_r_deg, double wavelength_nm,
+                     double polarizer_deg, double analyzer_deg)>
+brdf_function(const formats::FitResult& fit);
 
 /// BRDF for unpolarised light over the exit hemisphere. Arrays run over theta_r first, then phi_r:
 /// entry r * phi_r_deg.size() + p.

@@ -5,9 +5,9 @@
 #include <mutex>
 
 #include "host/invert/descent.hpp"
-#include "host/invert/parallel.hpp"
 #include "host/invert/starts.hpp"
 #include "host/invert/stopwatch.hpp"
+#include "host/parallel/for_each_index.hpp"
 
 namespace umov::invert {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "host/formats/order_statistics.hpp"
 #include "host/invert/box_quadratic.hpp"
-#include "host/invert/parallel.hpp"
 #include "host/optics/angles.hpp"
+#include "host/parallel/for_each_index.hpp"
 
 namespace umov::invert {
 namespace {

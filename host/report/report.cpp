@@ -6,38 +6,13 @@
 
 #include "host/errors/error.hpp"
 #include "host/formats/atomic_file.hpp"
+#include "host/formats/markup.hpp"
 #include "host/report/assets.hpp"
 #include "host/report/inputs.hpp"
 
 namespace umov::report {
 
 namespace {
-
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
 
 /// Fills the slots {{NAME}} of the template in one pass, so that what is put in is never searched.
 std::string filled(std::string_view markup,
@@ -70,8 +45,8 @@ std::string title_of(const std::vector<Sample>& samples, const Options& options)
 std::string page(const std::vector<Sample>& samples, const Options& options) {
   const Assets parts = assets();
   const std::string data = page_data(samples, options);
-  const std::string title = escaped(title_of(samples, options));
-  const std::string program = escaped(options.program);
+  const std::string title = formats::escaped_markup(title_of(samples, options));
+  const std::string program = formats::escaped_markup(options.program);
   return filled(parts.markup, {{"PROGRAM", program},
                                {"TITLE", title},
                                {"STYLE", parts.style},

@@ -1,15 +1,11 @@
 // BRDF text of other programs: Window XML, CSV tables, SCATMECH parameters, ASTM and Cornell
 // points. Whatever the bytes, a reader either refuses them with umov::Error or yields something
 // that goes through text of its own format unchanged.
-//
-// The first byte chooses the format, the second whether the rest is the file itself or a list of
-// edits to a small valid one: random bytes alone would hardly get past a header.
 // fuzz-link: umov_formats
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 #include <string_view>
 
@@ -20,15 +16,13 @@
 #include "host/formats/scatmech_text.hpp"
 #include "host/formats/table_csv.hpp"
 #include "host/formats/window_xml.hpp"
+#include "tests/fuzz/foreign_bytes.hpp"
 
 namespace {
 
 using namespace umov;
 using namespace umov::formats;
-
-void require(bool good) {
-  if (!good) std::abort();
-}
+using fuzz::require;
 
 constexpr std::string_view window =
     "<WindowElement><Optical><Layer><Material><Name>a</Name></Material><DataDefinition>"
@@ -75,28 +69,6 @@ constexpr std::string_view cornell =
     "# a\n# num wls\n2\n450\n650\n0.698132 0 0.698132 3.141593 .5 .4\n1.2 0 0.349066 -1.570796 .05 "
     "0\n";
 constexpr std::array<std::string_view, 6> originals{window, grid, planes, scatmech, astm, cornell};
-
-/// Three bytes an edit: where (two), and what. 0 deletes, 1 doubles the rest of the line, 2 cuts
-/// the file off; any other byte replaces the one there, from 128 on it is inserted less 128.
-std::string edited(std::string_view original, const std::uint8_t* data, std::size_t size) {
-  std::string text(original);
-  for (std::size_t n = 0; n + 2 < size && !text.empty() && text.size() < 65536; n += 3) {
-    const std::size_t at = (std::size_t{data[n]} << 8 | data[n + 1]) % text.size();
-    const std::uint8_t what = data[n + 2];
-    if (what == 0) {
-      text.erase(at, 1);
-    } else if (what == 1) {
-      text.insert(at, text.substr(at, text.find('\n', at) - at + 1));
-    } else if (what == 2) {
-      text.resize(at);
-    } else if (what >= 128) {
-      text.insert(at, 1, static_cast<char>(what - 128));
-    } else {
-      text[at] = static_cast<char>(what);
-    }
-  }
-  return text;
-}
 
 std::string data_of(const std::string& text, std::string_view start) {
   return text.substr(text.find(start));
@@ -159,11 +131,7 @@ void read_one(std::size_t format, std::string_view text) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  if (size < 2) return 0;
-  const std::size_t format = data[0] % originals.size();
-  const std::string text = data[1] % 4 == 0
-                               ? std::string(reinterpret_cast<const char*>(data + 2), size - 2)
-                               : edited(originals[format], data + 2, size - 2);
+  const auto [format, text] = fuzz::foreign_bytes(originals, data, size);
   try {
     read_one(format, text);
   } catch (const Error&) {

@@ -3,19 +3,17 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 #include <string_view>
 
 #include "host/errors/error.hpp"
 #include "host/formats/journal.hpp"
 #include "host/formats/journal_records.hpp"
+#include "tests/fuzz/foreign_bytes.hpp"
 
 namespace {
 
-void require(bool good) {
-  if (!good) std::abort();
-}
+using umov::fuzz::require;
 
 /// The input with lengths and CRCs put right wherever a frame would start, so that the fuzzer gets
 /// past the checks and into the payloads.

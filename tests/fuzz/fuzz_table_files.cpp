@@ -2,15 +2,12 @@
 // refuses them with umov::Error or yields a table that evaluates to finite numbers and goes through
 // its own format unchanged.
 //
-// The first byte chooses the format, the second whether the rest is the file itself or a list of
-// edits to a small valid one: random bytes alone would hardly get past a header. MERL files have
-// one size only, some 35 MB; here its reader is asked for fewer cells. fuzz-link: umov_formats
-#include <algorithm>
+// MERL files have one size only, some 35 MB; here its reader is asked for fewer cells.
+// fuzz-link: umov_formats
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 #include <string_view>
 
@@ -19,17 +16,15 @@
 #include "host/formats/rgl_tensor.hpp"
 #include "host/formats/tensor_file.hpp"
 #include "host/formats/zemax_bsdf.hpp"
+#include "tests/fuzz/foreign_bytes.hpp"
 
 namespace {
 
 using namespace umov;
 using namespace umov::formats;
+using fuzz::require;
 
 constexpr HalfAngleCells cells = {2, 3, 2};
-
-void require(bool good) {
-  if (!good) std::abort();
-}
 
 const std::string& merl_original() {
   static const std::string bytes = [] {
@@ -61,32 +56,11 @@ const std::string& rgl_original() {
   return bytes;
 }
 
-const std::string zemax_original =
+constexpr std::string_view zemax_original =
     "# wavelength: 633 nm\nSource Measured\nSymmetry PlaneSymmetrical\nSpectralContent Monochrome\n"
     "ScatterType BRDF\nSampleRotation 1\n0\nAngleOfIncidence 2\n5 60\nScatterAzimuth 2\n0 180\n"
     "ScatterRadial 3\n0 20 90.5\nMonochrome\nDataBegin\nTIS .3\n1 2 3\n1e-2 5 6\nTIS 1\n7 8 9\n1 1 "
     "2\nDataEnd\n";
-
-/// Three bytes an edit: where (two), and what. 0 deletes, 1 doubles the rest of the line, 2 cuts
-/// the file off; any other byte replaces the one there, from 192 on it is inserted less 192.
-std::string edited(std::string text, const std::uint8_t* data, std::size_t size) {
-  for (std::size_t n = 0; n + 2 < size && !text.empty() && text.size() < 65536; n += 3) {
-    const std::size_t at = (std::size_t{data[n]} << 8 | data[n + 1]) % text.size();
-    const std::uint8_t what = data[n + 2];
-    if (what == 0) {
-      text.erase(at, 1);
-    } else if (what == 1) {
-      text.insert(at, text.substr(at, text.find('\n', at) - at + 1));
-    } else if (what == 2) {
-      text.resize(at);
-    } else if (what >= 192) {
-      text.insert(at, 1, static_cast<char>(what - 192));
-    } else {
-      text[at] = static_cast<char>(what);
-    }
-  }
-  return text;
-}
 
 void evaluate(const brdf::Table& table) {
   for (const double theta_i : {0.0, 0.3, 1.5})
@@ -125,13 +99,8 @@ void read_one(std::size_t format, std::string_view bytes) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  if (size < 2) return 0;
-  const std::size_t format = data[0] % 3;
-  const std::array<const std::string*, 3> originals = {&merl_original(), &rgl_original(),
-                                                       &zemax_original};
-  const std::string bytes = data[1] % 4 == 0
-                                ? std::string(reinterpret_cast<const char*>(data + 2), size - 2)
-                                : edited(*originals[format], data + 2, size - 2);
+  const std::array<std::string_view, 3> originals{merl_original(), rgl_original(), zemax_original};
+  const auto [format, bytes] = fuzz::foreign_bytes(originals, data, size);
   try {
     read_one(format, bytes);
   } catch (const Error&) {

@@ -141,6 +141,33 @@ class Campaign(UmovCase):
         relative = points["brdf_per_sr"][strong] / truth[strong] - 1
         self.assertLess(abs(relative.mean()), 0.006)  # uncorrected, kappa alone makes up to 2 %
 
+    def test_a_fit_of_the_lobes_shows_the_next_reduction_where_the_arms_stood(self):
+        zero_deg = 0.15
+        (self.folder / "white.toml").write_text(WHITE)
+        (self.folder / "gloss.toml").write_text(GLOSS.split("[[block]]")[0].replace(
+            "step = 2", "step = 1"))
+        for name in ("white", "gloss"):
+            self.must("scan", f"{name}.toml", "-o", f"{name}.h5", "--quiet", "--seed", 5,
+                      "--plant-set", f"axis.detector.zero_deg={zero_deg}")
+        (self.folder / "campaign.toml").write_text(
+            'scans = ["white.h5"]\n[declared]\ntheta_i_zero_u_deg = 0.02\n'
+            'theta_r_zero_u_deg = 0.1\n')
+        self.must("calibrate", "--campaign", "campaign.toml", "-o", "cal.h5")
+        guides, angles = [], {}
+        for turn in range(3):
+            done = self.must("reduce", "gloss.h5", "--calibration", "cal.h5", "-o",
+                             f"{turn}.brdf", "--json", *guides)
+            angles = json.loads(done.stdout)["angles"]
+            self.must("invert", f"{turn}.brdf", "-o", f"{turn}.json", "--quiet", timeout=300)
+            guides += ["--guided-by", f"{turn}.json"]
+        self.assertAlmostEqual(angles["theta_r_deg"] - angles["theta_i_deg"], zero_deg, delta=0.01)
+        fits = [json.loads((self.folder / f"{turn}.json").read_text()) for turn in range(3)]
+        self.assertLess(fits[2]["chi2"], fits[0]["chi2"])
+        red = (self.folder / "0.json").read_text().replace("633", "532")
+        (self.folder / "other.json").write_text(red)
+        self.refused("reduce", "gloss.h5", "--calibration", "cal.h5", "-o", "x.brdf",
+                     "--guided-by", "other.json", says=("other.json", "633 nm"))
+
     def test_names_what_it_cannot_tell_and_refuses_contradictions(self):
         self.measure(4)
         self.must("calibrate", "--campaign", "campaign.toml", "white.h5", "-o", "alone.cal")

@@ -43,6 +43,12 @@ class ExchangeText(UmovCase):
         model = json.loads(self.must("model", "dhr", *SATIN[1:], "--wavelength-nm", 632.8, "--theta-i", 30, "--json").stdout)
         self.assertAlmostEqual(matrix["dhr"], model["dhr"], delta=1e-3)
 
+    def test_patches_of_several_wavelengths_are_compared_with_their_mean(self):
+        out = json.loads(self.must("export", *SATIN, "--format", "window", "--wavelength-nm", 500, "--wavelength-nm", 600,
+                                   "--json", "-o", "two.xml").stdout)
+        self.assertLess(out["difference"]["p95"], 0.005)
+        self.assertNotIn("pointwise", out)
+
     def test_scatmech_parameters_are_the_same_model(self):
         self.must("export", *SATIN, "--format", "scatmech", "--wavelength-nm", 550, "-o", "satin.txt")
         self.assertIn("Two_Source_BRDF_Model", self.text("satin.txt"))
@@ -80,9 +86,12 @@ class ExchangeText(UmovCase):
         self.assertNotIn("not in the table", self.text("m.xml"))
         self.assertIn("mirror patches left out", window)
         out = json.loads(self.must("export", *mirror, "--format", "window", "--force", "-o", "m.xml", "--json").stdout)
-        self.assertLess(out["difference"]["median"], 0.5)
-        self.assertLess(out["difference"]["p95"], 5)
-        self.assertLess(out["dhr"]["largest_difference"], 0.02)
+        self.assertEqual(out["difference"]["of"], "patch means")
+        self.assertLess(out["difference"]["median"], 0.0005)
+        self.assertLess(out["difference"]["p95"], 0.005)
+        self.assertEqual(out["pointwise"]["without"], "mirror patches")
+        self.assertGreater(out["pointwise"]["p95"], 0.1)
+        self.assertLess(out["dhr"]["largest_difference"], 0.0005)
         self.assertGreater(min(out["dhr"]["file"]), 0.03)
         self.assertNotIn("not in the table", self.must("export", *mirror, "--format", "scatmech", "-o", "m.txt").stdout)
         self.assertNotIn("not in the table", self.text("m.txt"))

@@ -45,7 +45,7 @@ class PolarizerAxes(UmovCase):
 
     def test_wafer_on_a_realistic_bench_gives_axes_and_extinction(self):
         realistic = ["--preset", "realistic", "--seed", 11, *settings(LEAKY)]
-        self.scan(SOURCE / "examples/plans/germanium.toml", "germanium", "ge.h5", *realistic)
+        self.scan(SOURCE / "examples/campaign/germanium.toml", "germanium", "ge.h5", *realistic)
         self.scan(self.write("white.toml", WHITE), "lambertian-99", "white.h5", *realistic)
         done = self.must("calibrate", "white.h5", "ge.h5", "-o", "cal.h5", "--json")
         found = json.loads(done.stdout)["polarization"]
@@ -71,7 +71,7 @@ class PolarizerAxes(UmovCase):
         leaky = settings({**LEAKY, "polarizer.extinction": 1e-3, "analyzer.extinction": 2e-3,
                           "detector.polarization_bias": 0.01, "monitor.polarization_bias": 0.015})
         white = self.write("white.toml", WHITE.replace("[532, 633, 814]", "[532]"))
-        germanium = (SOURCE / "examples/plans/germanium.toml").read_text()
+        germanium = (SOURCE / "examples/campaign/germanium.toml").read_text()
         germanium = self.write("ge.toml", germanium.replace("[532, 633, 814]", "[532]"))
         linear = self.write("linear.toml", LINEAR)
         tables = {}

@@ -10,13 +10,14 @@ import argparse
 import json
 import os
 import pathlib
-import platform
 import statistics
 import subprocess
+import sys
 import tempfile
 
-SOURCE = pathlib.Path(__file__).resolve().parents[2]
-UMOV = os.environ.get("UMOV_BINARY", str(SOURCE / "build/release/bin/umov"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from provenance import UMOV, busy, commit, machine  # noqa: E402
+
 BENCH = os.environ.get("UMOV_BENCH_INVERSION", str(pathlib.Path(UMOV).parent / "bench_inversion"))
 HEADING = "## Inversion against BFGS, and from anywhere"
 
@@ -114,15 +115,15 @@ def main():
     parser.add_argument("--starts", type=int, default=100, help="random starts of each kind")
     parser.add_argument("--rivals", type=int, default=6, help="starts of the race against BFGS")
     options = parser.parse_args()
-    commit = subprocess.run(["git", "-C", SOURCE, "rev-parse", "--short", "HEAD"], text=True, capture_output=True, check=False)
+    load = busy()
     with tempfile.TemporaryDirectory(prefix="umov-bench-") as name:
         data = measured(pathlib.Path(name))
         race = json.loads(run(BENCH, "rivals", data, options.rivals))
         starts = json.loads(run(BENCH, "starts", data, options.starts))
     page = [HEADING, "",
             "Red gloss paint at 532, 633 and 814 nm on the emulated bench (three incidences, six polarisation states), `li-torrance`,",
-            f"20 free numbers. Command `tools/benchmarks/inversion.py --rivals {options.rivals} --starts {options.starts}`, commit {commit.stdout.strip()},",
-            f"{platform.machine()}; processor time of one thread, all in the same run.", "",
+            f"20 free numbers. Command `./dev bench inversion --rivals {options.rivals} --starts {options.starts}`, commit {commit()},",
+            f"{machine()}, {load}; processor time of one thread, all in the same run.", "",
             "The same objective, the same starts (those of `umov invert`) and the same stop rule (relative fall in one step below",
             "1e-9) for all. The rivals are Ceres' line-search BFGS, limits by the logistic substitution; numeric gradients are",
             "central differences. Where BFGS ends sooner with a worse objective, the ratio is to its time all the same.", ""]

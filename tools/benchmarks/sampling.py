@@ -6,13 +6,13 @@ Processor time, best of three, random numbers and weights (the whole Mueller mat
 
 import argparse
 import json
-import os
 import pathlib
-import platform
 import subprocess
+import sys
 
-SOURCE = pathlib.Path(__file__).resolve().parents[2]
-UMOV = os.environ.get("UMOV_BINARY", str(SOURCE / "build/release/bin/umov"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from provenance import UMOV, busy, commit, machine  # noqa: E402
+
 INCIDENCES = (0, 60, 85)
 MODELS = (
     ("lambertian", ()),
@@ -45,23 +45,15 @@ def check(model, settings, draws):
     return json.loads(done.stdout)
 
 
-def processor():
-    for line in open("/proc/cpuinfo", encoding="utf-8"):
-        if line.startswith("model name"):
-            return line.split(":", 1)[1].strip()
-    return platform.machine()
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("-o", "--output", help="Markdown page to write")
     parser.add_argument("--draws", type=int, default=300000, help="directions a measurement")
     options = parser.parse_args()
-    commit = subprocess.run(["git", "-C", SOURCE, "rev-parse", "--short", "HEAD"], text=True, capture_output=True, check=False)
     page = ["# Benchmarks: sampling", "",
             "Million exit directions a second of processor time, one thread, best of three; random numbers (Philox) and the weight's whole",
             "Mueller matrix included. Preparation is what making a sampler costs once.", "",
-            f"Command `./dev bench`, commit {commit.stdout.strip()}, {os.cpu_count()} cores of {processor()}.", "",
+            f"Command `./dev bench sampling`, commit {commit()}, {machine()}, {busy()}.", "",
             "| model | preparation [ms] | " + " | ".join(f"{a}°" for a in INCIDENCES) + " |", "|---" * (2 + len(INCIDENCES)) + "|"]
     for model, settings in MODELS:
         runs = [check(model, settings, options.draws) for _ in range(3)]

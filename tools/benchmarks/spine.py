@@ -7,15 +7,14 @@ wavelengths by Levenberg-Marquardt beside the paper's way (quasi-Newton BFGS on 
 
 import argparse
 import json
-import os
 import pathlib
-import platform
 import subprocess
+import sys
 import tempfile
 import time
 
-SOURCE = pathlib.Path(__file__).resolve().parents[2]
-UMOV = os.environ.get("UMOV_BINARY", str(SOURCE / "build/release/bin/umov"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from provenance import UMOV, busy, commit, machine  # noqa: E402
 
 PLAN = """
 sample = "%s"
@@ -51,20 +50,12 @@ def best_of(times, *arguments):
     return best
 
 
-def processor():
-    for line in open("/proc/cpuinfo", encoding="utf-8"):
-        if line.startswith("model name"):
-            return line.split(":", 1)[1].strip()
-    return platform.machine()
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("-o", "--output", help="Markdown page to write")
     options = parser.parse_args()
-    commit = subprocess.run(["git", "-C", SOURCE, "rev-parse", "--short", "HEAD"], text=True, capture_output=True, check=False)
     page = ["# Benchmarks", "", "Whole commands, best of three, one thread.", "",
-            f"Command `./dev bench`, commit {commit.stdout.strip()}, {os.cpu_count()} cores of {processor()}.", "",
+            f"Command `./dev bench spine`, commit {commit()}, {machine()}, {busy()}.", "",
             "| records | scan [s] | instrument time [s] | inversion [s] | χ²/dof | BFGS, paper's objective [s] |", "|---|---|---|---|---|---|"]
     with tempfile.TemporaryDirectory(prefix="umov-bench-") as name:
         here = pathlib.Path(name)

@@ -5,13 +5,14 @@ Scan, calibration and reduction on the ideal bench; DOLP = (PP - PS)/PU for P-po
 """
 
 import argparse
-import os
 import pathlib
 import subprocess
+import sys
 import tempfile
 
-SOURCE = pathlib.Path(__file__).resolve().parents[2]
-UMOV = os.environ.get("UMOV_BINARY", str(SOURCE / "build/release/bin/umov"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from provenance import UMOV, commit  # noqa: E402
+
 PAINTS = ("black-matte", "black-semi-gloss", "black-gloss", "red-gloss")
 INCIDENCES = (10, 30, 45, 56, 65)
 WAVELENGTHS = (532, 633, 814)
@@ -72,14 +73,13 @@ def main():
     parser.add_argument("-o", "--output", help="Markdown page to write")
     options = parser.parse_args()
     found = measure()
-    commit = subprocess.run(["git", "-C", SOURCE, "rev-parse", "--short", "HEAD"], text=True, capture_output=True, check=False)
     page = ["# Polarisation in the mirror direction", "",
             "DOLP (P4) of emulated paints for P-polarised light at θr = θi, measured on the ideal bench and reduced with a",
             "white standard; ± is one sigma. The rougher and brighter the paint, the less of the light keeps its",
             "polarisation: black paints order matte < semi-gloss < gloss, the red paint is as polarised as gloss black where",
             "it absorbs (532 nm) and less where light comes back from under its surface (633 and 814 nm). Towards Brewster's",
             "angle (56° for n = 1.5) the surface reflects no P light and the depolarised light remains.", "",
-            f"Command `./dev study dolp`, commit {commit.stdout.strip()}.", "",
+            f"Command `./dev study dolp`, commit {commit()}.", "",
             "| paint | nm | " + " | ".join(f"θi = {t}°" for t in INCIDENCES) + " |",
             "|---|---|" + "---|" * len(INCIDENCES)]
     for paint in PAINTS:

@@ -6,12 +6,13 @@ Runs `umov model check` over models and roughness, with everything that a surfac
 
 import argparse
 import json
-import os
 import pathlib
 import subprocess
+import sys
 
-SOURCE = pathlib.Path(__file__).resolve().parents[2]
-UMOV = os.environ.get("UMOV_BINARY", str(SOURCE / "build/release/bin/umov"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from provenance import UMOV, commit  # noqa: E402
+
 INCIDENCES = (0, 30, 60, 75, 80, 85, 89)
 SAMPLED = (0, 60, 85)
 
@@ -184,12 +185,11 @@ def main():
     parser.add_argument("-o", "--output", help="Markdown page to write")
     parser.add_argument("--draws", type=int, default=100000, help="directions drawn at each incidence")
     options = parser.parse_args()
-    commit = subprocess.run(["git", "-C", SOURCE, "rev-parse", "--short", "HEAD"], text=True, capture_output=True, check=False)
     found = []
     for row in rows():
         found.append((row, check(row[0], row[1], row[2], options.draws)))
         print(short(row[0]), row[3], " ".join(f"{r:.3f}" for r in found[-1][1]["reflectance"]), flush=True)
-    text = page(found, commit.stdout.strip(), options.draws)
+    text = page(found, commit(), options.draws)
     if options.output:
         pathlib.Path(options.output).write_text(text, encoding="utf-8")
 

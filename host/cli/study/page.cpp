@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/formats/atomic_file.hpp"
+#include "host/formats/markup.hpp"
 #include "host/report/assets.hpp"
 
 namespace umov::study {
@@ -35,27 +36,11 @@ for (const figure of JSON.parse(document.getElementById("figures").textContent).
 document.documentElement.dataset.ready = "yes";
 )js";
 
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&') {
-      out += "&amp;";
-    } else if (c == '<') {
-      out += "&lt;";
-    } else if (c == '>') {
-      out += "&gt;";
-    } else {
-      out += c;
-    }
-  }
-  return out;
-}
-
 /// `code` and **bold** as HTML.
 std::string marked_up(const std::string& text) {
   std::string out;
   bool code = false, bold = false;
-  const std::string safe = escaped(text);
+  const std::string safe = formats::escaped_markup(text);
   for (std::size_t i = 0; i < safe.size(); ++i) {
     if (safe[i] == '`') {
       out += code ? "</code>" : "<code>";
@@ -193,7 +178,7 @@ Json Page::figures() const {
 
 std::string Page::html() const {
   const auto parts = report::assets();
-  std::string body = "<h1>" + escaped(title_) + "</h1>\n";
+  std::string body = "<h1>" + formats::escaped_markup(title_) + "</h1>\n";
   for (const Block& block : blocks_) {
     switch (block.kind) {
       case Block::Kind::heading:
@@ -224,8 +209,8 @@ std::string Page::html() const {
       "<link rel=\"icon\" href=\"data:,\"><style>{}</style></head>\n<body>\n{}"
       "<script type=\"application/json\" id=\"figures\">{}</script>\n<!--\n{}\n-->\n"
       "<script>{}</script>\n<script>{}</script>\n</body></html>\n",
-      escaped(title_), style, body, embeddable(figures()), parts.plotly_licence, parts.plotly,
-      script);
+      formats::escaped_markup(title_), style, body, embeddable(figures()), parts.plotly_licence,
+      parts.plotly, script);
 }
 
 void Page::write(const std::filesystem::path& folder) const {

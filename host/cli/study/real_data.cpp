@@ -16,7 +16,7 @@
 #include "host/formats/atomic_file.hpp"
 #include "host/formats/cornell_brdf.hpp"
 #include "host/formats/nist_ptfe.hpp"
-#include "host/invert/parallel.hpp"
+#include "host/parallel/for_each_index.hpp"
 
 namespace umov::study {
 namespace {
@@ -81,7 +81,7 @@ Page real_data(const Options& options) {
   std::mutex reporting;
   std::size_t done = 0;
   const std::size_t jobs = results.size() * models.size();
-  invert::for_each_index(jobs, options.threads, [&](std::size_t job) {
+  for_each_index(jobs, options.threads, [&](std::size_t job) {
     const std::size_t m = job / results.size(), t = job % results.size();
     results[t].attempts[m] = try_model(found.trials[t], models[m], options);
     const std::lock_guard lock(reporting);

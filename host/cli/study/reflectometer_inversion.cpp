@@ -8,14 +8,13 @@
 #include <fmt/format.h>
 
 #include "host/cli/emulator/truth.hpp"
-#include "host/cli/study/alignment.hpp"
-#include "host/cli/study/bench_doubts.hpp"
 #include "host/cli/study/paper_numbers.hpp"
 #include "host/cli/study/plots.hpp"
 #include "host/cli/study/reduced.hpp"
 #include "host/cli/study/reflectometer_parts.hpp"
 #include "host/formats/fit_file.hpp"
 #include "host/invert/invert.hpp"
+#include "host/invert/prediction.hpp"
 
 namespace umov::study {
 namespace {
@@ -60,15 +59,18 @@ void add_tables_3_and_4(Page& page, const formats::FitResult& fit,
   page.table({"nm", "table 3", "k_udf (paper)", "k_uds (paper)", "DHR (paper)", "their sum",
               "k_udf true", "k_udf found", "k_uds true", "k_uds found", "sum true", "sum found"},
              std::move(rows));
+  const calibrate::DeclaredDoubts declared = declared_doubts();
   page.paragraph(fmt::format(
       "Found values with 95 % intervals, from one joint fit of {} points at three wavelengths "
-      "({}). Besides noise and calibration the fit knows the bench's reproducibility as an "
-      "operator "
-      "would state it: {} for the lasers' slow noise that the monitor misses, common to all points "
-      "of a wavelength and again to those of an incidence, and {:g}° for where a drive stops. The "
-      "largest relative error of k_udf + k_uds is {}.",
-      fit.points, fit.model, percent(BenchDoubts{}.source, 1), BenchDoubts{}.position_deg,
-      percent(worst_diffuse)));
+      "({}). Besides noise and calibration the fit knows what an operator would declare of the "
+      "bench: {} for the lasers' slow noise that the monitor misses, common to all points of a "
+      "wavelength and again to those of an incidence; {:g}° for the zero of either arm and {:g}° "
+      "for how a sample leans; {:g}° each for eccentricity and play of the detector arm; {:g}° for "
+      "where a drive stops, the same at every visit. The detector's disc of {:g}° half-angle is "
+      "corrected for. The largest relative error of k_udf + k_uds is {}.",
+      fit.points, fit.model, percent(declared.source_relative_u, 1), declared.theta_r_zero_u_deg,
+      declared.sample_lean_u_deg, declared.theta_r_play_u_deg, declared.position_u_deg,
+      declared.aperture_half_angle_deg, percent(worst_diffuse)));
   page.paragraph(
       "**Where the paper contradicts itself.** At 633 nm its table 4 gives k_udf = .0300 and "
       "k_uds = .4860, which add up to .5160, while the reflectance beside them is .4890; at 532 "
@@ -255,15 +257,17 @@ bool holds(const formats::Estimate& e, double truth) {
 }
 
 void add_parameters(Page& page, const formats::FitResult& fit, const emulator::SampleTruth& truth,
-                    const Alignment& alignment) {
+                    const calibrate::Alignment& alignment) {
   page.paragraph(fmt::format(
-      "The paint was fitted twice: the first fit sees by the place of the lobes that incidence and "
-      "exit angles stood {:+.3f}° and {:+.3f}° beside the commanded ones (zeros of the arms and "
-      "the "
-      "sample's lean together); the second one takes the points at those angles.",
-      alignment.theta_i_deg, alignment.theta_r_deg));
-  page.numbers()["alignment_deg"] = {{"theta_i", alignment.theta_i_deg},
-                                     {"theta_r", alignment.theta_r_deg}};
+      "The paint was fitted three times, as `umov reduce --guided-by` does it: the first fit sees "
+      "by "
+      "the place of the lobes that the arms did not stand where they were commanded (zeros and the "
+      "sample's lean together), and its model tells how the BRDF runs between the points, across "
+      "the detector's disc and with the angles; the next ones take the points there. In all, "
+      "incidence and exit angles stood {:+.3f}° and {:+.3f}° beside the commanded ones.",
+      alignment.theta_i_deg(), alignment.theta_r_deg()));
+  page.numbers()["alignment_deg"] = {{"theta_i", alignment.theta_i_deg()},
+                                     {"theta_r", alignment.theta_r_deg()}};
   const auto& slope = estimate(fit, "slope_2sigma_over_tau", 0);
   const double true_slope = 2 * truth.parameter("sigma_um", 532) / truth.parameter("tau_um", 532);
   const auto& n = estimate(fit, "n", 0);
@@ -299,7 +303,6 @@ void add_parameters(Page& page, const formats::FitResult& fit, const emulator::S
 }  // namespace
 
 void add_red_paint(Page& page, CalibratedBench& at, const Options& options) {
-  const auto table = at.reduced("red-gloss");
   invert::Options how;
   how.seed = options.seed;
   how.threads = options.threads;
@@ -308,15 +311,20 @@ void add_red_paint(Page& page, CalibratedBench& at, const Options& options) {
   double from = 0.75;
   how.progress = [&](double share, const std::string& stage) {
     if (options.keep_going && !options.keep_going()) throw Stopped{};
-    if (options.progress) options.progress(from + 0.11 * share, "inversion: " + stage);
+    if (options.progress) options.progress(from + 0.08 * share, "inversion: " + stage);
   };
-  const auto first = invert::invert(with_bench_doubts(table), how);
-  const Alignment alignment = alignment_found(first, zero_u_deg, zero_u_deg);
-  const auto straight = with_bench_doubts(aligned(table, alignment));
-  from = 0.87;
-  how.dhr = true;
-  how.dhr_theta_i_deg = {0, 10, 30, 45, 60};
-  auto fit = invert::invert(straight, how);
+  // Each fit tells the next reduction where the angles stood; two bring what is left below .005°.
+  const auto table = at.reduced("red-gloss");
+  calibrate::ReduceOptions guided;
+  auto fit = invert::invert(table, how);
+  for (int round = 0; round < 2; ++round) {
+    guided.alignment += calibrate::alignment_found(fit, at.campaign.calibration.declared);
+    guided.shape = invert::brdf_function(fit);
+    from += 0.08;
+    how.dhr = round == 1;
+    how.dhr_theta_i_deg = {0, 10, 30, 45, 60};
+    fit = invert::invert(at.reduced("red-gloss", guided), how);
+  }
   fit.data_file = at.bench.file("red-gloss").string();
   fit.program = UMOV_STUDY_PROGRAM;
   fit.command = options.command;
@@ -324,7 +332,7 @@ void add_red_paint(Page& page, CalibratedBench& at, const Options& options) {
   const emulator::SampleTruth truth("red-gloss");
   add_tables_3_and_4(page, fit, truth);
   add_dhr(page, at, fit, truth);
-  add_parameters(page, fit, truth, alignment);
+  add_parameters(page, fit, truth, guided.alignment);
   add_figure_9(page, table, fit);
   add_figure_11(page, fit, truth);
   add_truth_comparison(page, at, fit, truth);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/calibrate/campaign.hpp"
+#include "host/calibrate/reduce.hpp"
 #include "host/cli/study/bench.hpp"
 #include "host/cli/study/page.hpp"
 #include "host/cli/study/study.hpp"
@@ -21,9 +22,9 @@ struct StudyScan {
   double share;  ///< of all measuring
 };
 
-/// Declared doubt of either arm's zero, the lean of a sample on its plate included, one standard
-/// deviation, as such a bench is aligned.
-inline constexpr double zero_u_deg = 0.1;
+/// What the operator of such a bench would declare of it from data sheets and alignment, one
+/// standard deviation each, and the size of the detector disc.
+calibrate::DeclaredDoubts declared_doubts();
 
 /// The calibrated instrument, with the scans that were measured on it.
 struct CalibratedBench {
@@ -33,7 +34,8 @@ struct CalibratedBench {
   std::vector<Target> targets;        ///< filled by the sections
 
   /// A scan by its name, reduced with the campaign's calibration.
-  formats::BrdfTable reduced(const std::string& name) const;
+  formats::BrdfTable reduced(const std::string& name,
+                             const calibrate::ReduceOptions& options = {}) const;
 };
 
 /// Table 2 and figure 6: reflectance standards and instrument function.

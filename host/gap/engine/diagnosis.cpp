@@ -154,7 +154,8 @@ class Diagnoser {
     for (Hypothesis& h : all) {
       h.probability /= total;
       std::set<std::string> names;
-      for (const std::size_t e : h.refit.explanation.effects) names.insert(model_.effects()[e].name);
+      for (const std::size_t e : h.refit.explanation.effects)
+        names.insert(model_.effects()[e].name);
       for (const std::string& name : names) by_name[name] += h.probability;
     }
     for (auto& [name, p] : by_name) d_.probabilities.emplace_back(name, std::min(1.0, p));
@@ -299,7 +300,9 @@ class Diagnoser {
       for (std::size_t i = 0; i < rivals.size(); ++i) {
         if (2 * (best.ln_evidence - trials[i].ln_evidence) < options_.ambiguous) {
           set.insert(model_.effects()[view.candidates()[rivals[i]].effect].name);
-          rivals_.push_back({member, trials[i].refit.explanation});
+          d_.rivals.push_back({model_.effects()[member].name,
+                               model_.effects()[view.candidates()[rivals[i]].effect].name,
+                               best.refit, trials[i].refit});
         }
         keep(std::move(trials[i]));
       }
@@ -333,11 +336,6 @@ class Diagnoser {
   const ForwardModel& model_;
   const DiagnoseOptions& options_;
   Hypothesis final_;
-  struct Rival {
-    std::size_t member;       ///< in whose place it stands
-    Explanation explanation;  ///< with the rival
-  };
-  std::vector<Rival> rivals_;
   Diagnosis d_;
 };
 

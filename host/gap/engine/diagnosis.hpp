@@ -59,6 +59,12 @@ struct Diagnosis {
   /// Probability of every effect in the catalogue, by name; families of one name are summed.
   std::vector<std::pair<std::string, double>> probabilities;
   std::vector<NamedValue> base;
+  /// Explanations that are as good as the one named, each with what it puts in whose place.
+  struct Rival {
+    std::string effect, rival_effect;
+    Refit best, rival;
+  };
+  std::vector<Rival> rivals;
   std::vector<FurtherScan> next_scan;  ///< best per minute first; what an adapter found
   SearchResult search;
 };

@@ -185,7 +185,8 @@ PointingModel::PointingModel(const formats::PointingRun& run,
         add_to_base(p, fmt::format("{}.{}", term.name, p.name));
       continue;
     }
-    Effect effect{term.name, term.stage, term.physics, "P. Wallace, TPOINT", {}, {{}}};
+    Effect effect{term.name, term.stage, term.physics, "P. Wallace, TPOINT", {}};
+    effect.probes.resize(1);
     Eigen::MatrixXd columns(static_cast<Eigen::Index>(2 * stars),
                             static_cast<Eigen::Index>(term.parameters.size()));
     for (std::size_t i = 0; i < term.parameters.size(); ++i) {

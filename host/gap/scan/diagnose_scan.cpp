@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "host/errors/error.hpp"
+#include "host/gap/scan/next_scan.hpp"
 
 namespace umov::gap::scan {
 namespace {
@@ -48,8 +49,12 @@ ScanDiagnosis diagnose_scans(const std::vector<formats::ScanTable>& scans,
   const ScanModel model(scans, options.model);
   DiagnoseOptions engine = options.diagnose;
   engine.search.without = numbers_of(options.without, model.effects());
-  ScanDiagnosis result{diagnose(model, engine), options.model.model, 0, model.used(),
-                       model.records().notes};
+  ScanDiagnosis result{
+      diagnose(model, engine), options.model.model, 0, model.used(), model.records().notes, {}};
+  result.answer.next_scan = further_scans(model, result.answer);
+  if (!result.answer.next_scan.empty())
+    result.next_plan = plan_of(result.answer.next_scan.front(), model,
+                               scans.front().key("sample").value_or("sample"));
   for (const formats::ScanTable& scan : scans) result.records += scan.size();
   confine(result.answer.where);
   confine(result.answer.unexplained);

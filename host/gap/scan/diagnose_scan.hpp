@@ -23,6 +23,8 @@ struct ScanDiagnosis {
   std::string model;  ///< the base's
   std::size_t records = 0, used = 0;
   std::vector<std::string> notes;
+  /// The first of answer.next_scan as a plan for `umov scan`; empty where there is none.
+  std::string next_plan;
 };
 
 /// Diagnoses scans of one sample together. Throws umov::Error where the records cannot carry a

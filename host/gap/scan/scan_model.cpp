@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include <ceres/jet.h>
 #include <fmt/format.h>
@@ -21,6 +22,8 @@ namespace {
 /// Derivatives carried by one pass of the chain.
 constexpr int lanes = 8;
 using Dual = ceres::Jet<double, lanes>;
+
+constexpr std::size_t most_wavelengths = 8;
 
 /// Smallest κ²: the derivative of κ itself is infinite at zero.
 constexpr double least_kappa2 = 1e-10;
@@ -48,12 +51,71 @@ formats::FitResult starting_fit(const std::vector<formats::ScanTable>& scans,
   return invert::invert(reduction.table, options);
 }
 
+/// Refuses what no diagnosis can be made of, before fits make something of it.
+void require_substance(const ScanRecords& all) {
+  if (all.wavelengths_nm.size() > most_wavelengths)
+    throw Error(fmt::format("{} wavelengths are more than a diagnosis takes at a time",
+                            all.wavelengths_nm.size()),
+                fmt::format("choose up to {} of them", most_wavelengths));
+  std::size_t open = 0, saturated = 0;
+  std::vector<double> least(all.wavelengths_nm.size(), 1e300), most(least.size(), -1e300);
+  double mirror = 0, retro = 0;
+  int mirror_count = 0, retro_count = 0;
+  std::set<double> angles;
+  for (const Record& r : all.records) {
+    if (!r.shutter_open || r.sample_removed || r.long_pass) continue;
+    ++open;
+    if (r.saturated) {
+      ++saturated;
+      continue;
+    }
+    angles.insert(r.theta_r);
+    const double level = r.x_v / (r.monitor_v * all.gain_constant_v[r.wavelength]);
+    least[r.wavelength] = std::min(least[r.wavelength], level);
+    most[r.wavelength] = std::max(most[r.wavelength], level);
+    const double near = optics::radians(5.0);
+    if (r.theta_i < optics::radians(20.0) || r.phi_r != 0) continue;
+    if (std::abs(r.theta_r - r.theta_i) < near) {
+      mirror += level;
+      ++mirror_count;
+    }
+    if (std::abs(r.theta_r + r.theta_i) < near) {
+      retro += level;
+      ++retro_count;
+    }
+  }
+  if (open > 0 && saturated * 2 > open)
+    throw Error(fmt::format("{} of {} records are saturated: what is left is the measurement's own "
+                            "choice of dim angles",
+                            saturated, open),
+                "measure again with less light or a smaller amplifier range");
+  for (std::size_t w = 0; w < least.size(); ++w)
+    if (least[w] <= most[w] && !(most[w] - least[w] > 1e-6 * std::abs(most[w])))
+      throw Error(fmt::format("the signal at {:g} nm is the same in all records: nothing can be "
+                              "diagnosed from it",
+                              all.wavelengths_nm[w]),
+                  "check that the lock-in was read at each angle");
+  if (angles.size() < 5)
+    throw Error(fmt::format("{} detector angles are too few for a diagnosis", angles.size()),
+                "measure lobes and what lies between them: twenty angles or more");
+  if (mirror_count > 0 && retro_count > 0 && retro / retro_count > 3 * mirror / mirror_count)
+    throw Error(
+        "the sample is three times brighter on the way back to the source than in the mirror "
+        "direction, as if theta_r had the wrong sign",
+        "theta_r_deg is positive on the mirror side of the normal: turn the column's sign");
+}
+
 }  // namespace
 
 ScanModel::~ScanModel() = default;
 
 ScanModel::ScanModel(const std::vector<formats::ScanTable>& scans, const ScanModelOptions& options)
     : records_(prepare_records(scans)), model_(brdf::Model::by_name(options.model)) {
+  require_substance(records_);
+  if (records_.wavelengths_nm.size() == 1)
+    records_.notes.push_back(
+        "one wavelength only: what is told by its spectrum (dust, water, crosstalk, fluorescence) "
+        "cannot be told from what is not");
   for (const formats::ScanTable& scan : scans) noise_.push_back(calibrate::fit_noise(scan));
   for (const brdf::Component& part : model_.components())
     if (lobe_ < 0 && part.kind == brdf::Kind::microfacet) lobe_ = static_cast<int>(part.first);
@@ -108,26 +170,32 @@ ScanModel::ScanModel(const std::vector<formats::ScanTable>& scans, const ScanMod
     }
   }
 
+  make_catalogue();
   make_observations();
 }
 
-void ScanModel::make_observations() {
+ScanModel ScanModel::with_records(std::vector<Record> records) const {
+  ScanModel other = *this;
+  other.records_.records = std::move(records);
+  other.make_observations();
+  return other;
+}
+
+void ScanModel::make_catalogue() {
   Scale scale;
   scale.wavelengths_nm = records_.wavelengths_nm;
   std::vector<double> adc;
   double largest = 0, duration = 0;
-  for (std::size_t i = 0; i < records_.records.size(); ++i) {
-    const Record& r = records_.records[i];
+  for (const Record& r : records_.records) {
     if (r.saturated) continue;
-    used_.push_back(i);
     adc.push_back(std::abs(r.x_v) * r.gain);
     largest = std::max(largest, std::abs(r.x_v));
     duration = std::max(duration, r.time_s);
   }
   constexpr std::size_t fewest_records = 200;
-  if (used_.size() < fewest_records)
+  if (adc.size() < fewest_records)
     throw Error(
-        fmt::format("{} usable records are too few for a diagnosis", used_.size()),
+        fmt::format("{} usable records are too few for a diagnosis", adc.size()),
         fmt::format("measure at least {}, over several angles of incidence", fewest_records));
   scale.largest_signal_v = largest;
   scale.typical_adc_v = median(adc);
@@ -137,7 +205,13 @@ void ScanModel::make_observations() {
     if (slope >= 0) scale.slope_rms = base_[static_cast<std::size_t>(slope)].absent;
   }
   effects_ = catalogue(scale);
+}
 
+void ScanModel::make_observations() {
+  used_.clear();
+  for (std::size_t i = 0; i < records_.records.size(); ++i)
+    if (!records_.records[i].saturated) used_.push_back(i);
+  observations_ = {};
   const auto n = static_cast<Eigen::Index>(used_.size());
   observations_.value.resize(2 * n);
   observations_.axes = {{"theta_i_deg", "deg", {}},  {"theta_r_deg", "deg", {}},
@@ -193,7 +267,7 @@ void ScanModel::evaluate(const Explanation& explanation, const std::vector<T>& v
     mixes = mixes || explanation.effects[k] == number(EffectId::laser_crosstalk) ||
             explanation.effects[k] == number(EffectId::wavelength_error);
   }
-  std::array<Material<T>, 8> materials{};
+  std::array<Material<T>, most_wavelengths> materials{};
   thread_local std::vector<T> own;
   own.resize(wavelengths * parameters);
   for (std::size_t w = 0; w < wavelengths; ++w) {

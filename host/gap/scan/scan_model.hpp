@@ -25,7 +25,8 @@ struct ScanModelOptions {
 class ScanModel : public ForwardModel {
  public:
   /// Throws umov::Error where the records cannot carry a diagnosis.
-  ScanModel(const std::vector<formats::ScanTable>& scans, const ScanModelOptions& options = {});
+  explicit ScanModel(const std::vector<formats::ScanTable>& scans,
+                     const ScanModelOptions& options = {});
   ~ScanModel() override;
 
   const Observations& observations() const override { return observations_; }
@@ -37,10 +38,14 @@ class ScanModel : public ForwardModel {
   NoiseShape noise(const Eigen::VectorXd& mean) const override;
 
   const ScanRecords& records() const { return records_; }
+  /// The same model looking at other records, of a measurement that could be made. Their values are
+  /// not looked at.
+  ScanModel with_records(std::vector<Record> records) const;
   /// Number of the record of every observation; X of all first, then Y.
   std::size_t used() const { return used_.size(); }
 
  private:
+  void make_catalogue();
   void make_observations();
   /// Signal of a record. `angles`: the same values in the scalar that angles are computed in.
   template <class T, class A>

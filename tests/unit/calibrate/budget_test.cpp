@@ -111,6 +111,8 @@ TEST(Budget, NamesOfFactorsLoseColumnsAndWavelengthsButNotRanges) {
   EXPECT_EQ(contribution_name("scan dark range 1000"), "scan dark range 1000");
   EXPECT_EQ(contribution_name("polarizer axis 632.8 nm"), "polarizer axis");
   EXPECT_EQ(contribution_name("reference standard"), "reference standard");
+  EXPECT_EQ(contribution_name("detector stop -85"), "detector stop");
+  EXPECT_EQ(contribution_name("source 532 nm 30"), "source");
 }
 
 TEST(Budget, IsWrittenAsCsvAndJsonWithACombinedLineAPoint) {

@@ -132,6 +132,11 @@ TEST(Campaign, SurvivesItsFileWithAllThatReduceNeeds) {
   CampaignOptions settings = options();
   settings.declared.theta_i_zero_u_deg = 0.03;
   settings.declared.aperture_half_angle_deg = 0.3;
+  settings.declared.sample_lean_u_deg = 0.05;
+  settings.declared.theta_r_eccentricity_u_deg = 0.02;
+  settings.declared.theta_r_play_u_deg = 0.02;
+  settings.declared.position_u_deg = 0.01;
+  settings.declared.source_relative_u = 0.003;
   const Calibration calibration = evaluate_campaign(scans, settings).calibration;
   ASSERT_FALSE(calibration.reciprocity.empty());
   const std::string file = ::testing::TempDir() + "/campaign-cal.h5";

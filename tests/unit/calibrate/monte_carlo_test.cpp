@@ -49,6 +49,8 @@ struct SmallCampaign {
     options.max_degree = 2;
     options.stray.tolerance_per_sr = 1e-3;
     options.declared.theta_r_zero_u_deg = 0.05;
+    options.declared.theta_r_eccentricity_u_deg = 0.03;
+    options.declared.source_relative_u = 0.002;
     campaign = evaluate_campaign(scans, options);
     reduce_options.dolp = false;
     reduction = reduce(scans[1].table, campaign.calibration, reduce_options);

@@ -8,6 +8,7 @@
 #include "host/errors/error.hpp"
 #include "host/instrument/link_lost.hpp"
 #include "host/instrument/refusals.hpp"
+#include "tests/unit/failure.hpp"
 #include "tests/unit/instrument/simulated_link.hpp"
 
 namespace umov::instrument {
@@ -17,15 +18,6 @@ using namespace std::chrono_literals;
 using testing::Cable;
 using ::testing::HasSubstr;
 using testing::plug_into;
-
-std::string failure_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 TEST(Session, TheHandshakeTellsWhoTheDeviceIs) {
   Cable cable;

@@ -12,6 +12,7 @@
 #include "host/instrument/session.hpp"
 #include "host/instrument/tcp_server.hpp"
 #include "host/instrument/tcp_transport.hpp"
+#include "tests/unit/failure.hpp"
 #include "tests/unit/instrument/simulated_device.hpp"
 
 namespace umov::instrument {
@@ -20,15 +21,6 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::HasSubstr;
 using testing::SimulatedDevice;
-
-std::string failure_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 /// A simulated device behind a port, in a thread of its own, in real time.
 class ServedDevice {

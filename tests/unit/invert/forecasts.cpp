@@ -15,14 +15,6 @@
 namespace umov::invert {
 namespace {
 
-Options quick(const test::Scene& scene) {
-  Options options;
-  options.model = scene.model;
-  options.starts = 3;
-  options.dhr = options.held_out = false;
-  return options;
-}
-
 TEST(Forecasts, BrdfAndDolpOffThePlaneAreCoveredByTheirIntervals) {
   test::Scene scene = test::red_gloss();
   scene.gain_sigma = 0.005;
@@ -50,7 +42,7 @@ TEST(Forecasts, BrdfAndDolpOffThePlaneAreCoveredByTheirIntervals) {
   constexpr int seeds = 40;
   for (int seed = 0; seed < seeds; ++seed) {
     const auto fit =
-        invert(test::make(scene, 500 + static_cast<std::uint64_t>(seed)).table, quick(scene));
+        invert(test::make(scene, 500 + static_cast<std::uint64_t>(seed)).table, test::quick(scene));
     const auto said = predict_directions(FittedModel(fit), directions, 1);
     for (std::size_t i = 0; i < said.size(); ++i) {
       brdf += said[i].brdf.lo <= truth[i].brdf.value && truth[i].brdf.value <= said[i].brdf.hi;
@@ -70,7 +62,7 @@ TEST(Forecasts, BrdfAndDolpOffThePlaneAreCoveredByTheirIntervals) {
 TEST(Forecasts, AFitReadFromItsFileSaysTheSame) {
   test::Scene scene = test::red_gloss();
   for (auto& values : scene.truth) values[1] = 0;  // extinction on its limit
-  const auto fit = invert(test::make(scene, 2).table, quick(scene));
+  const auto fit = invert(test::make(scene, 2).table, test::quick(scene));
   const auto again = formats::fit_from_json(formats::fit_to_json(fit), "fit");
   const auto directions = direction_grid("out-of-plane", fit.wavelengths_nm, {30});
   EXPECT_EQ(directions.size(), 3U * 5 * 7);
@@ -100,7 +92,7 @@ TEST(Forecasts, DirectionsAreReadFromAFileAndBadOnesRefusedWithTheirLine) {
 TEST(Comparison, TheModelThatMadeTheDataForetellsThemBest) {
   const test::Scene scene = test::black_paint();
   const auto made = test::make(scene, 5);
-  Options options = quick(scene);
+  Options options = test::quick(scene);
   const std::vector<std::string> models{"ggx+nef",       "velvet", "microfacet+nef",
                                         "interpolation", "nef",    "ggx+nef"};
   const auto held_out = every_fifth_row(made.table);
@@ -152,7 +144,7 @@ TEST(FurtherData, DoWhatTheLinearisedFitForetells) {
         static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
     return std::sqrt(fit.covariance.values.at(i * names.size() + i));
   };
-  Options options = quick(scene);
+  Options options = test::quick(scene);
   // Only the two diffuse coefficients and the lobe's weight, so that nothing bends in between.
   const brdf::Model model = brdf::Model::by_name(scene.model);
   for (std::size_t i : {0U, 1U, 2U, 3U, 7U, 8U, 9U}) {

@@ -20,15 +20,6 @@ namespace {
 
 using formats::FitResult;
 
-Options quick(const test::Scene& scene) {
-  Options options;
-  options.model = scene.model;
-  options.starts = 3;
-  options.dhr = false;
-  options.held_out = false;
-  return options;
-}
-
 struct Coverage {
   int inside = 0, all = 0;
   std::map<std::string, std::pair<int, int>> by_name;
@@ -77,7 +68,7 @@ void print(const char* what, const Coverage& coverage) {
 TEST(Intervals, CoverTheTruthAsOftenAsTheyPromise) {
   test::Scene scene = test::black_paint();
   scene.gain_sigma = 0.005;
-  Options options = quick(scene);
+  Options options = test::quick(scene);
   options.dhr = true;
   options.dhr_theta_i_deg = {30};
   const Coverage coverage = coverage_of(scene, options, 60);
@@ -90,7 +81,7 @@ TEST(Intervals, CoverTheTruthForTheFourCoefficientModelToo) {
   test::Scene scene = test::red_gloss();
   scene.gain_sigma = 0.005;
   scene.theta_r_step = 4;
-  Options options = quick(scene);
+  Options options = test::quick(scene);
   options.dhr = true;
   options.dhr_theta_i_deg = {30};
   const Coverage coverage = coverage_of(scene, options, 40);
@@ -103,7 +94,7 @@ TEST(Intervals, CoverTheTruthUnderThePapersObjectiveToo) {
   test::Scene scene = test::black_paint();
   scene.gain_sigma = 0.005;
   scene.floor_per_sr = 2e-5;  // relative deviations need a signal everywhere
-  Options options = quick(scene);
+  Options options = test::quick(scene);
   options.objective = Objective::paper;
   const Coverage coverage = coverage_of(scene, options, 40);
   print("paper objective", coverage);
@@ -113,7 +104,7 @@ TEST(Intervals, CoverTheTruthUnderThePapersObjectiveToo) {
 
 TEST(Intervals, GainErrorWidensWhatScalesWithItAndNothingElse) {
   test::Scene scene = test::black_paint();
-  Options options = quick(scene);
+  Options options = test::quick(scene);
   options.free = {"0.bias"};  // with its scale free the lobe cannot tell the gain
   options.spectral = {"0.bias"};
   const FitResult sharp = invert(test::make(scene, 1).table, options);
@@ -141,7 +132,7 @@ TEST(Intervals, AGainErrorDoesNotPullTheModelDown) {
   scene.gain_sigma = 0.05;
   scene.theta_r_step = 1;
   auto made = test::make(scene, 3);
-  const FitResult fit = invert(made.table, quick(scene));
+  const FitResult fit = invert(made.table, test::quick(scene));
   const double expected = 0.5 * (1 + scene.gain_sigma * made.gains[0]);
   EXPECT_NEAR(fit.find("rho")->estimates[0].value, expected, 0.015 * expected);
   EXPECT_LE(fit.find("rho")->estimates[0].lo, 0.5);
@@ -164,7 +155,7 @@ TEST(Intervals, AnAdditiveCommonErrorIsTakenAsOne) {
   made.table.factors.push_back(stray);
   const Observations data = observations(made.table, 0);
   EXPECT_FALSE(data.spectra[0].common[0].relative);
-  Options options = quick(scene);
+  Options options = test::quick(scene);
   // Only the diffuse level is confused with it, and that is fixed here.
   options.fix = {{"1.rho_d1", std::nullopt, 0.010}};
   const FitResult fit = invert(made.table, options);
@@ -179,7 +170,7 @@ TEST(Intervals, HeightAndLengthOfARoughSurfaceAreNamedAsConfused) {
     values[2] = 4;  // phase variance in the thousands: geometrical optics
     values[3] = 60;
   }
-  const FitResult fit = invert(test::make(scene, 2).table, quick(scene));
+  const FitResult fit = invert(test::make(scene, 2).table, test::quick(scene));
   const auto pair =
       std::find_if(fit.correlations.begin(), fit.correlations.end(),
                    [](const auto& c) { return c.first == "sigma_um" && c.second == "tau_um"; });
@@ -197,7 +188,7 @@ TEST(Intervals, HeightAndLengthOfARoughSurfaceAreNamedAsConfused) {
 
 TEST(Intervals, TheTwoDiffuseCoefficientsAreNamedAsConfusedAndTheirSumIsGiven) {
   const test::Scene scene = test::red_gloss();
-  const FitResult fit = invert(test::make(scene, 3).table, quick(scene));
+  const FitResult fit = invert(test::make(scene, 3).table, test::quick(scene));
   const auto pair =
       std::find_if(fit.correlations.begin(), fit.correlations.end(), [](const auto& c) {
         return c.first == "k_udf" && c.second == "k_uds" && c.first_wavelength_nm == 532.0;
@@ -225,7 +216,7 @@ TEST(Intervals, AnAbsentTermEndsAtItsBoundWithAnUpperLimit) {
   for (auto& values : scene.truth) values[5] = 0;
   int at_bound = 0;
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
-    const FitResult fit = invert(test::make(scene, seed).table, quick(scene));
+    const FitResult fit = invert(test::make(scene, seed).table, test::quick(scene));
     for (const auto& e : fit.find("1.rho_d2")->estimates) {
       EXPECT_EQ(e.lo, 0);
       EXPECT_GT(e.hi, 0);
@@ -243,7 +234,7 @@ TEST(Intervals, AnAbsentTermEndsAtItsBoundWithAnUpperLimit) {
 
 TEST(Intervals, AUserBoundIsKeptAndReported) {
   const test::Scene scene = test::black_paint();
-  Options options = quick(scene);
+  Options options = test::quick(scene);
   options.bound = {{"0.slope_rms", std::nullopt, 0.13, 0.3}};
   const FitResult fit = invert(test::make(scene, 5).table, options);
   EXPECT_DOUBLE_EQ(fit.find("0.slope_rms")->estimates[0].value, 0.13);
@@ -254,7 +245,7 @@ TEST(Intervals, AUserBoundIsKeptAndReported) {
 TEST(Intervals, AnOptimumOnALimitIsTheOneWithTheParameterFixedThere) {
   const test::Scene scene = test::black_paint();
   const auto made = test::make(scene, 5);
-  Options limited = quick(scene), fixed = quick(scene);
+  Options limited = test::quick(scene), fixed = test::quick(scene);
   limited.bound = {{"0.slope_rms", std::nullopt, 0.13, 0.3}, {"1.rho_d1", std::nullopt, 0, 0.012}};
   fixed.fix = {{"0.slope_rms", std::nullopt, 0.13}, {"1.rho_d1", 814, 0.012}};
   const FitResult a = invert(made.table, limited), b = invert(made.table, fixed);
@@ -269,7 +260,7 @@ TEST(Intervals, AnOptimumOnALimitIsTheOneWithTheParameterFixedThere) {
 TEST(Intervals, ReflectanceIsTheModelsAndItsIntervalFollowsTheGain) {
   test::Scene scene = test::red_gloss();
   scene.gain_sigma = 0.01;
-  Options options = quick(scene);
+  Options options = test::quick(scene);
   options.dhr = true;
   options.dhr_theta_i_deg = {0, 30};
   const FitResult fit = invert(test::make(scene, 6).table, options);
@@ -287,7 +278,7 @@ TEST(Intervals, ReflectanceIsTheModelsAndItsIntervalFollowsTheGain) {
 TEST(Intervals, HemisphereCarriesTheUncertaintyOfTheFit) {
   test::Scene scene = test::red_gloss();
   scene.gain_sigma = 0.01;
-  const FitResult fit = invert(test::make(scene, 7).table, quick(scene));
+  const FitResult fit = invert(test::make(scene, 7).table, test::quick(scene));
   const Hemisphere h = hemisphere(fit, 532, 30, 10, 30);
   ASSERT_EQ(h.theta_r_deg.size(), 9U);
   ASSERT_EQ(h.phi_r_deg.size(), 12U);

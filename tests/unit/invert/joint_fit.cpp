@@ -13,19 +13,10 @@ namespace {
 
 using formats::FitResult;
 
-Options quick(const test::Scene& scene) {
-  Options options;
-  options.model = scene.model;
-  options.starts = 4;
-  options.dhr = false;
-  options.held_out = false;
-  return options;
-}
-
 TEST(JointFit, NoiseFreePaintGivesItsParametersBack) {
   const test::Scene scene = test::red_gloss();
   const auto made = test::make(scene, 1, 0);
-  const FitResult fit = invert(made.table, quick(scene));
+  const FitResult fit = invert(made.table, test::quick(scene, 4));
   EXPECT_LT(fit.chi2, 1e-6);
   EXPECT_TRUE(fit.converged);
   for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
@@ -39,7 +30,7 @@ TEST(JointFit, NoiseFreePaintGivesItsParametersBack) {
 
 TEST(JointFit, ParametersAreSharedOrSpectralAsTheModelSays) {
   const test::Scene scene = test::red_gloss();
-  const FitResult fit = invert(test::make(scene, 2).table, quick(scene));
+  const FitResult fit = invert(test::make(scene, 2).table, test::quick(scene, 4));
   EXPECT_TRUE(fit.find("n")->shared);
   EXPECT_EQ(fit.find("n")->estimates.size(), 1U);
   EXPECT_FALSE(fit.find("k_uds")->shared);
@@ -49,7 +40,7 @@ TEST(JointFit, ParametersAreSharedOrSpectralAsTheModelSays) {
 TEST(JointFit, SharingSplittingFixingAndStartingFollowTheUser) {
   const test::Scene scene = test::black_paint();
   const auto made = test::make(scene, 3);
-  Options options = quick(scene);
+  Options options = test::quick(scene, 4);
   options.share = {"1.rho_d2"};
   options.spectral = {"0.slope_rms"};
   options.fix = {{"0.n", std::nullopt, 1.5}, {"0.kappa", 814, 0.2}};
@@ -69,7 +60,7 @@ TEST(JointFit, SharingSplittingFixingAndStartingFollowTheUser) {
 TEST(JointFit, UnusedPointsHaveNoSay) {
   const test::Scene scene = test::black_paint();
   auto made = test::make(scene, 4);
-  const FitResult before = invert(made.table, quick(scene));
+  const FitResult before = invert(made.table, test::quick(scene, 4));
   auto& p = made.table.points;
   for (std::size_t i = 0; i < p.size(); i += 10) {
     for (auto* column : {&p.theta_i_deg, &p.theta_r_deg, &p.phi_r_deg, &p.wavelength_nm,
@@ -80,7 +71,7 @@ TEST(JointFit, UnusedPointsHaveNoSay) {
     p.brdf_u.push_back(0);
     p.used.push_back(0);
   }
-  const FitResult after = invert(made.table, quick(scene));
+  const FitResult after = invert(made.table, test::quick(scene, 4));
   EXPECT_EQ(after.points, before.points);
   EXPECT_DOUBLE_EQ(after.chi2, before.chi2);
 }
@@ -88,7 +79,7 @@ TEST(JointFit, UnusedPointsHaveNoSay) {
 TEST(JointFit, ResultDoesNotDependOnTheNumberOfThreads) {
   const test::Scene scene = test::red_gloss();
   const auto made = test::make(scene, 5);
-  Options options = quick(scene);
+  Options options = test::quick(scene, 4);
   options.starts = 6;
   options.dhr = true;
   const FitResult one = invert(made.table, options);
@@ -106,7 +97,7 @@ TEST(JointFit, OneInAHundredWildPointsMovesNothingBeyondItsInterval) {
   scene.outlier_share = 0.01;
   int inside = 0, all = 0;
   for (const std::uint64_t seed : {6, 7, 8}) {
-    const FitResult fit = invert(test::make(scene, seed).table, quick(scene));
+    const FitResult fit = invert(test::make(scene, seed).table, test::quick(scene, 4));
     EXPECT_GE(fit.outliers, 2U);
     EXPECT_LT(fit.interval_scale, 1.3);
     for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
@@ -127,8 +118,8 @@ TEST(JointFit, WithoutTheRobustLossTheSameWildPointsWidenTheIntervals) {
   test::Scene scene = test::black_paint();
   scene.outlier_share = 0.01;
   const auto made = test::make(scene, 6);
-  const FitResult robust = invert(made.table, quick(scene));
-  Options plain = quick(scene);
+  const FitResult robust = invert(made.table, test::quick(scene, 4));
+  Options plain = test::quick(scene, 4);
   plain.robust_sigma = 0;
   const FitResult squares = invert(made.table, plain);
   EXPECT_GT(squares.interval_scale, 2 * robust.interval_scale);
@@ -150,7 +141,7 @@ TEST(JointFit, AModelThatCannotFitSaysSoAndWidensItsIntervals) {
 
 TEST(JointFit, HeldOutRowsOfARightModelShowNoGap) {
   const test::Scene scene = test::black_paint();
-  Options options = quick(scene);
+  Options options = test::quick(scene, 4);
   options.held_out = true;
   double mean = 0;
   for (std::uint64_t seed = 20; seed < 30; ++seed) {
@@ -178,7 +169,7 @@ TEST(JointFit, AFloorStandsForWhatTheModelLeavesOut) {
 TEST(JointFit, PaperObjectiveEndsAtTheSameOptimumWithoutNoise) {
   const test::Scene scene = test::black_paint();
   const auto made = test::make(scene, 12, 0);
-  Options options = quick(scene);
+  Options options = test::quick(scene, 4);
   const FitResult weighted = invert(made.table, options);
   options.objective = Objective::paper;
   options.max_iterations = 1000;
@@ -197,7 +188,7 @@ TEST(JointFit, PaperObjectiveEndsAtTheSameOptimumWithoutNoise) {
 TEST(JointFit, PaperObjectiveIsTheMeanOverWavelengthsOfSquaredRelativeDeviations) {
   const test::Scene scene = test::black_paint();
   const auto made = test::make(scene, 13);
-  Options options = quick(scene);
+  Options options = test::quick(scene, 4);
   options.objective = Objective::paper;
   const FitResult fit = invert(made.table, options);
   const Prediction prediction = predict(fit, made.table);
@@ -213,7 +204,7 @@ TEST(JointFit, PredictionAndResidualsRebuildChiSquare) {
   test::Scene scene = test::black_paint();
   scene.gain_sigma = 0.01;
   const auto made = test::make(scene, 14);
-  const FitResult fit = invert(made.table, quick(scene));
+  const FitResult fit = invert(made.table, test::quick(scene, 4));
   const Prediction prediction = predict(fit, made.table);
   double chi2 = 0;
   for (const double r : prediction.residual) chi2 += r * r;

@@ -13,14 +13,6 @@
 namespace umov::invert {
 namespace {
 
-Options quick(const test::Scene& scene) {
-  Options options;
-  options.model = scene.model;
-  options.starts = 3;
-  options.dhr = options.held_out = false;
-  return options;
-}
-
 TEST(Priors, OneActsLikeOneMoreMeasurement) {
   test::Scene scene;
   scene.model = "lambertian";
@@ -28,7 +20,7 @@ TEST(Priors, OneActsLikeOneMoreMeasurement) {
   scene.truth = {{0.5}};
   scene.relative_noise = 0.05;
   const auto made = test::make(scene, 1);
-  Options options = quick(scene);
+  Options options = test::quick(scene);
   const auto alone = invert(made.table, options).find("rho")->estimates[0];
   options.priors = {parse_prior("rho=0.51±0.002")};
   const auto fit = invert(made.table, options);
@@ -48,7 +40,7 @@ TEST(Priors, AnOrderHoldsTheWeakExtinctionsDownAndLeavesTheStrongOneAlone) {
   scene.truth[1][1] = 0.0;
   scene.relative_noise = 0.02;
   const auto made = test::make(scene, 3);
-  Options options = quick(scene);
+  Options options = test::quick(scene);
   const auto alone = invert(made.table, options);
   options.priors = {parse_prior("0.kappa-order")};
   const auto fit = invert(made.table, options);
@@ -63,7 +55,7 @@ TEST(Priors, AnOrderHoldsTheWeakExtinctionsDownAndLeavesTheStrongOneAlone) {
 TEST(Priors, AnOrderThatTheDataContradictCostsWhatItSays) {
   const test::Scene scene = test::black_paint();  // 0.30 at 532 nm, 0.20 at 814 nm: not threefold
   const auto made = test::make(scene, 2);
-  Options options = quick(scene);
+  Options options = test::quick(scene);
   options.robust_sigma = 0;  // the objective is then chi² and what the prior adds
   const auto free = invert(made.table, options);
   options.priors = {parse_prior("0.kappa-order@532=3")};
@@ -135,7 +127,7 @@ TEST(Priors, AreRefusedWhereTheyCannotAct) {
   const test::Scene scene = test::black_paint();
   const auto made = test::make(scene, 1);
   const auto refusal = [&](const char* text, auto change) {
-    Options options = quick(scene);
+    Options options = test::quick(scene);
     options.priors = {parse_prior(text)};
     change(options);
     try {

@@ -11,6 +11,7 @@
 #include "host/brdf/model.hpp"
 #include "host/formats/brdf_table.hpp"
 #include "host/formats/scan_table.hpp"
+#include "host/invert/invert.hpp"
 #include "host/invert/observations.hpp"
 #include "host/optics/angles.hpp"
 
@@ -48,6 +49,15 @@ inline Scene black_paint() {
   scene.wavelengths_nm = {532, 814};
   scene.truth = {{1.5, 0.30, 0.12, 1, 0.010, 0.0040}, {1.5, 0.20, 0.12, 1, 0.014, 0.0050}};
   return scene;
+}
+
+/// A fit of a scene's model without what a test of parameters does not need.
+inline Options quick(const Scene& scene, int starts = 3) {
+  Options options;
+  options.model = scene.model;
+  options.starts = starts;
+  options.dhr = options.held_out = false;
+  return options;
 }
 
 struct Made {

@@ -29,36 +29,44 @@ const std::map<std::string, std::set<std::string>> allowed = {
     {"host/brdf", {"host/errors", "host/optics"}},
     {"host/formats", {"host/errors", "host/optics", "host/brdf"}},
     {"host/instrument", {"host/errors", "protocol"}},
-    {"host/scan", {"host/errors", "host/toml", "host/optics", "host/formats", "host/instrument", "protocol"}},
-    {"host/calibrate", {"host/errors", "host/toml", "host/optics", "host/brdf", "host/formats"}},
-    {"host/invert", {"host/errors", "host/optics", "host/brdf", "host/formats"}},
+    {"host/scan",
+     {"host/errors", "host/toml", "host/optics", "host/formats", "host/instrument", "protocol"}},
+    {"host/calibrate",
+     {"host/errors", "host/parallel", "host/toml", "host/optics", "host/brdf", "host/formats"}},
+    {"host/invert", {"host/errors", "host/parallel", "host/optics", "host/brdf", "host/formats"}},
     // The engine of the diagnosis knows no forward model; its adapters do.
     {"host/gap/engine", {"host/errors", "host/parallel"}},
     {"host/gap/answer", {"host/errors", "host/gap/engine"}},
     {"host/gap/pointing", {"host/errors", "host/formats", "host/gap/engine"}},
     {"host/gap/scan",
-     {"host/errors", "host/optics", "host/brdf", "host/formats", "host/calibrate", "host/invert", "host/gap/engine"}},
+     {"host/errors", "host/optics", "host/brdf", "host/formats", "host/calibrate", "host/invert",
+      "host/gap/engine"}},
     {"host/report",
      {"host/errors", "host/optics", "host/brdf", "host/formats", "host/calibrate", "host/invert"}},
-    // The plant's world: of the host plain optics (and errors and TOML) only, so that a diagnosis is never tested on its
-    // own model run forwards.
+    // The plant's world: of the host plain optics (and errors and TOML) only, so that a diagnosis
+    // is never tested on its own model run forwards.
     {"hil/plant", {"host/optics", "host/errors", "host/toml"}},
-    // Withheld cases are made by the plant and written as Scan CSV; see also the test on its formats.
+    // Withheld cases are made by the plant and written as Scan CSV; see also the test on its
+    // formats.
     {"hil/blind", {"hil/plant", "host/optics", "host/errors", "host/toml", "host/formats"}},
-    {"host/cli/emulator", {"host/errors", "host/optics", "host/instrument", "boards/native", "firmware", "hil/plant", "protocol"}},
+    {"host/cli/emulator",
+     {"host/errors", "host/optics", "host/instrument", "boards/native", "firmware", "hil/plant",
+      "protocol"}},
     {"host/cli/study",
-     {"host/errors", "host/optics", "host/brdf", "host/formats", "host/instrument", "host/scan", "host/calibrate",
-      "host/invert", "host/report", "host/cli/emulator", "protocol"}},
+     {"host/errors", "host/parallel", "host/optics", "host/brdf", "host/formats", "host/instrument",
+      "host/scan", "host/calibrate", "host/invert", "host/report", "host/cli/emulator",
+      "protocol"}},
     {"host/cli",
-     {"host/errors", "host/optics", "host/brdf", "host/formats", "host/instrument", "host/scan", "hil/plant", "hil/blind",
-      "host/calibrate", "host/invert", "host/gap/engine", "host/gap/scan", "host/gap/answer", "host/report",
-      "host/cli/emulator", "host/cli/study", "protocol"}},
+     {"host/errors", "host/optics", "host/brdf", "host/formats", "host/instrument", "host/scan",
+      "hil/plant", "hil/blind", "host/calibrate", "host/invert", "host/gap/engine", "host/gap/scan",
+      "host/gap/answer", "host/report", "host/cli/emulator", "host/cli/study", "protocol"}},
 };
 
 // What freestanding code may take from the standard library.
 const std::set<std::string> freestanding_headers = {
-    "algorithm", "array",   "atomic",  "bit",     "climits",     "concepts", "cstddef", "cstdint", "cstring", "functional",
-    "iterator",  "limits",  "new",      "optional", "span", "string_view", "tuple", "type_traits", "utility", "compare", "version"};
+    "algorithm", "array",       "atomic",     "bit",         "climits", "concepts", "cstddef",
+    "cstdint",   "cstring",     "functional", "iterator",    "limits",  "new",      "optional",
+    "span",      "string_view", "tuple",      "type_traits", "utility", "compare",  "version"};
 
 struct Include {
   std::string file;
@@ -81,7 +89,8 @@ std::vector<Include> includes_below(const fs::path& root, const std::string& top
   if (!fs::exists(root / top)) return found;
   for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
     const auto extension = entry.path().extension();
-    if (extension != ".cpp" && extension != ".hpp" && extension != ".h" && extension != ".c") continue;
+    if (extension != ".cpp" && extension != ".hpp" && extension != ".h" && extension != ".c")
+      continue;
     std::ifstream stream(entry.path());
     std::string text;
     for (int line = 1; std::getline(stream, text); ++line) {
@@ -108,7 +117,8 @@ std::string violation(const Include& include) {
     return {};
   }
   const std::string to = folder_of(include.target);
-  if (to.empty()) return where + "\"" + include.target + "\" is not written from the repository's root";
+  if (to.empty())
+    return where + "\"" + include.target + "\" is not written from the repository's root";
   if (to == from || allowed.at(from).contains(to)) return {};
   return where + from + " must not include " + to + " (\"" + include.target + "\")";
 }
@@ -132,13 +142,14 @@ TEST(Layers, a_plant_that_uses_the_host_models_would_be_caught) {
 }
 
 TEST(Layers, withheld_cases_know_of_the_formats_only_scans_and_checksums) {
-  const std::set<std::string> permitted = {"host/formats/scan_csv.hpp", "host/formats/scan_table.hpp",
-                                           "host/formats/sha256.hpp"};
+  const std::set<std::string> permitted = {
+      "host/formats/scan_csv.hpp", "host/formats/scan_table.hpp", "host/formats/sha256.hpp"};
   std::size_t seen = 0;
   for (const auto& include : includes_below(UMOV_SOURCE_DIR, "hil/blind")) {
     if (folder_of(include.target) != "host/formats") continue;
     ++seen;
-    EXPECT_TRUE(permitted.contains(include.target)) << include.file << ":" << include.line << " includes " << include.target;
+    EXPECT_TRUE(permitted.contains(include.target))
+        << include.file << ":" << include.line << " includes " << include.target;
   }
   EXPECT_GT(seen, 0u);
   EXPECT_NE(violation({"hil/blind/change.cpp", 3, "host/gap/scan/chain.hpp", true}), "");
@@ -148,7 +159,8 @@ TEST(Layers, withheld_cases_know_of_the_formats_only_scans_and_checksums) {
 TEST(Layers, upward_hidden_and_hosted_includes_would_be_caught) {
   EXPECT_NE(violation({"host/optics/fresnel.hpp", 1, "host/brdf/model.hpp", true}), "");
   EXPECT_NE(violation({"firmware/core/motion/profile.hpp", 1, "vector", false}), "");
-  EXPECT_NE(violation({"firmware/core/motion/profile.hpp", 1, "boards/native/world.hpp", true}), "");
+  EXPECT_NE(violation({"firmware/core/motion/profile.hpp", 1, "boards/native/world.hpp", true}),
+            "");
   EXPECT_NE(violation({"host/scan/runner.cpp", 1, "runner.hpp", true}), "");
   EXPECT_EQ(violation({"host/cli/main.cpp", 1, "vector", false}), "");
 }

@@ -36,10 +36,13 @@ TEST(Parameters, CoverTheWholeTree) {
 TEST(IdealPreset, HasNoImperfectionButTheStatedNoise) {
   PlantConfig config = ideal_config();
   const std::set<std::string> scales = {
-      "gear_cycles",    "gear_ratio",   "wavelength_nm",  "gain_constant_v",
-      "monitor_v",      "warmup_tau_s", "solid_angle_sr", "stray_forward_width_deg",
-      "settle_tau_s",   "full_scale_v", "noise_v",        "input_noise_v",
-      "output_noise_v", "edge_nm",      "transmittance"};
+      "gear_cycles", "gear_ratio", "wavelength_nm", "gain_constant_v", "monitor_v", "warmup_tau_s",
+      "solid_angle_sr", "stray_forward_width_deg", "settle_tau_s", "full_scale_v", "noise_v",
+      "input_noise_v", "output_noise_v", "edge_nm", "transmittance",
+      // What an imperfection of size zero would look like.
+      "windup_travel_deg", "filter_axis_deg", "window_axis_deg", "angle_deg", "wander_period_s",
+      "period_s", "g", "single_scattering_albedo", "slope_rms", "contact_angle_deg", "lobe_slope",
+      "retro_width_deg", "fringe_thickness_um", "beam_offset_mm"};
   for (const Parameter& p : parameters(config)) {
     const std::string leaf = p.name.substr(p.name.rfind('.') + 1);
     if (!scales.contains(leaf)) {

@@ -25,10 +25,11 @@ double dolp(const Sample& s, double ti, double tr, double nm) {
   return (pp - ps) / (pp + ps);
 }
 
-TEST(ShippedSamples, AreTheTenOfTheInstrument) {
+TEST(ShippedSamples, AreThoseOfTheInstrument) {
   const std::vector<std::string> expected = {
-      "black-gloss", "black-matte",     "black-semi-gloss", "germanium", "lambertian-99",
-      "red-gloss",   "satin-composite", "white-50",         "white-70",  "white-99"};
+      "black-gloss",     "black-matte", "black-semi-gloss", "brushed",   "embossed",
+      "germanium",       "gold-ggx",    "lambertian-99",    "red-gloss", "satin-composite",
+      "two-roughnesses", "white-50",    "white-70",         "white-99"};
   EXPECT_EQ(sample_names(), expected);
   for (const std::string& name : expected) {
     EXPECT_EQ(make_sample(name)->name(), name);
@@ -42,6 +43,7 @@ TEST(ShippedSamples, ObeyReciprocityWithPolarisation) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> theta(1.0, 85.0), azimuth(-179.0, 179.0);
   for (const std::string& name : sample_names()) {
+    if (name == "brushed") continue;  // the exchanged geometry would need the sample turned
     const auto sample = make_sample(name);
     for (int i = 0; i < 60; ++i) {
       const double ti = theta(random), tr = theta(random), phi = azimuth(random);
