@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -20,6 +21,8 @@
 namespace umov::calibrate {
 
 namespace {
+
+constexpr auto no_point = std::numeric_limits<std::size_t>::max();
 
 constexpr double degree = optics::radians(1.0);
 
@@ -52,8 +55,8 @@ struct Source {
   ScanRows rows;
   NoiseModel noise;
   std::vector<std::size_t> run;
-  bool standard = false;                ///< it fixes the gain
-  std::vector<double> record_to_point;  ///< of the reduced scan: index of the point, -1 = none
+  bool standard = false;                     ///< it fixes the gain
+  std::vector<std::size_t> record_to_point;  ///< of the reduced scan; no_point where it has none
 };
 
 class Drawing {
@@ -80,10 +83,9 @@ class Drawing {
     outside_ = same == scans.end();
     if (outside_) sources_.push_back(source_of(reduced));
     Source& source = sources_[reduced_];
-    source.record_to_point.assign(source.scan->table.size(), -1.0);
-    double point = 0;
-    for (std::size_t i = 0; i < source.scan->table.size(); ++i)
-      if (source.rows.row[i] == RowUse::plain) source.record_to_point[i] = point++;
+    source.record_to_point.assign(source.scan->table.size(), no_point);
+    for (std::size_t point = 0; point < reduction.origin.size(); ++point)
+      source.record_to_point[reduction.origin[point].record] = point;
     causes_ = declared_causes(reduction.table.points, reduction.origin, calibration_);
     if (calibration_.polarization && calibration_.polarization->covariance.size() > 0) {
       const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
@@ -192,8 +194,8 @@ class Drawing {
     const formats::ScanTable& scan = source.scan->table;
     double change = 0;
     const bool reduced = !source.record_to_point.empty();
-    if (reduced && source.record_to_point[i] >= 0) {
-      const auto point = static_cast<std::size_t>(source.record_to_point[i]);
+    if (reduced && source.record_to_point[i] != no_point) {
+      const std::size_t point = source.record_to_point[i];
       const double f = reduction_.table.points.brdf_per_sr[point];
       if (!(std::abs(f) > 0)) return 0;
       for (std::size_t k = 0; k < causes_.size(); ++k)

@@ -133,6 +133,12 @@ bool on_lattice(const formats::ScanTable& scan, double step_v) {
 
 }  // namespace
 
+bool NoiseModel::has(double wavelength_nm) const {
+  return std::any_of(entries.begin(), entries.end(), [wavelength_nm](const Entry& entry) {
+    return std::abs(entry.wavelength_nm - wavelength_nm) < wavelength_tolerance_nm;
+  });
+}
+
 const NoiseModel::Entry& NoiseModel::at(double wavelength_nm) const {
   for (const Entry& entry : entries)
     if (std::abs(entry.wavelength_nm - wavelength_nm) < wavelength_tolerance_nm) return entry;

@@ -55,6 +55,8 @@ class NoiseModel {
 
   /// Throws umov::Error for a wavelength that the scan has not.
   const Entry& at(double wavelength_nm) const;
+  /// False where all records of the wavelength are saturated.
+  bool has(double wavelength_nm) const;
   /// Variance of x_v, V², quantisation included.
   double variance_x(double wavelength_nm, double gain, double signal_v) const;
   /// Variance of y_v for a record with in-phase signal `signal_v`.

@@ -12,6 +12,7 @@ namespace umov::calibrate {
 
 /// What a point's value depends on.
 struct PointOrigin {
+  std::size_t record = 0;      ///< of the scan
   std::size_t wavelength = 0;  ///< number in the calibration
   double gain = 1;
   /// Where the arms were commanded and from where the detector came, 1 or -1; the table may have

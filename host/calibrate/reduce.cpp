@@ -199,6 +199,12 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
       ++summary.excluded;
       continue;
     }
+    if (scan.saturated[i] != 0 && !noise.has(scan.wavelength_nm[i])) {
+      // All of this wavelength is saturated: there is no uncertainty to give.
+      ++summary.saturated;
+      ++summary.excluded;
+      continue;
+    }
     const bool aligned = scan.phi_r_deg[i] == 0;
     const double theta_i = scan.theta_i_deg[i] + (aligned ? options.alignment.theta_i_deg() : 0.0);
     const double theta_r = scan.theta_r_deg[i] + (aligned ? options.alignment.theta_r_deg() : 0.0);
@@ -209,6 +215,7 @@ Reduction reduce(const formats::ScanTable& scan, const Calibration& calibration,
     }
     const double gain = scan.gain[i];
     PointOrigin o;
+    o.record = i;
     o.wavelength = calibration.index_of(scan.wavelength_nm[i]);
     o.gain = gain;
     o.theta_i_commanded_deg = scan.theta_i_deg[i];

@@ -186,10 +186,15 @@ ReferenceStandard ReferenceStandard::from_table(const formats::BrdfTable& table,
                                                 const formats::ScanTable& scan) {
   ReferenceStandard standard;
   standard.table_ = std::make_shared<const Table>(table);
+  // What all points share (the scale of a table that was itself measured against a standard) is in
+  // its factors, not in its noise.
   std::vector<double> relative;
-  for (std::size_t i = 0; i < table.points.size(); ++i)
-    if (table.points.used[i] != 0 && table.points.brdf_per_sr[i] > 0)
-      relative.push_back(table.points.brdf_u[i] / table.points.brdf_per_sr[i]);
+  for (std::size_t i = 0; i < table.points.size(); ++i) {
+    if (table.points.used[i] == 0 || !(table.points.brdf_per_sr[i] > 0)) continue;
+    double variance = table.points.brdf_u[i] * table.points.brdf_u[i];
+    for (const auto& factor : table.factors) variance += factor.per_point[i] * factor.per_point[i];
+    relative.push_back(std::sqrt(variance) / table.points.brdf_per_sr[i]);
+  }
   const double typical = formats::median(std::move(relative));
   standard.table_relative_u_ = positive_key(scan, "reference_dhr_relative_u", typical);
   standard.retention_u_ = positive_key(scan, "reference_retention_u", typical_retention);

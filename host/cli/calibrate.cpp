@@ -162,33 +162,41 @@ void add_calibrate_command(CLI::App& root, const Common& common) {
   command->add_option("scans", options->files,
                       "scans (scan.h5 or .csv) of role white, dark or mirror; the first white one "
                       "fixes the gain. With --campaign: any role, instead of the file's own list");
-  command->add_option("--campaign", options->campaign,
-                      "campaign.toml: scans and what is known beforehand; evaluates linearity, "
-                      "stray light, polariser axes and reciprocity too");
+  CLI::Option* campaign =
+      command->add_option("--campaign", options->campaign,
+                          "campaign.toml: scans and what is known beforehand; evaluates linearity, "
+                          "stray light, polariser axes and reciprocity too");
   command->add_option("-o,--output", options->output, "calibration file to write (cal.h5)")
       ->required();
   command->add_option("--standard", options->standard,
                       "name (key `sample`) of the white standard that fixes the gain");
-  command->add_option("--reference-brdf", options->reference_brdf,
-                      "table of the standard's own BRDF: brdf.h5, CSV or the NIST PTFE table");
+  // A campaign says these in its file.
+  command
+      ->add_option("--reference-brdf", options->reference_brdf,
+                   "table of the standard's own BRDF: brdf.h5, CSV or the NIST PTFE table")
+      ->excludes(campaign);
   command
       ->add_option("--detector-bias", options->bias,
                    "polarisation bias of the detector: auto applies it where it is significant")
       ->check(CLI::IsMember({"auto", "on", "off"}))
+      ->excludes(campaign)
       ->capture_default_str();
   command
       ->add_option("--max-degree", options->max_degree,
                    "highest degree of the instrument function, 0 = it is one")
       ->check(CLI::Range(0, 16))
+      ->excludes(campaign)
       ->capture_default_str();
   command
       ->add_option("--range-tolerance", options->range_tolerance,
                    "relative uncertainty of amplifier ranges that no overlap fixes")
       ->check(CLI::Range(0.0, 1.0))
+      ->excludes(campaign)
       ->capture_default_str();
   command
       ->add_option("--mirror-index", options->mirror_index,
                    "refractive index of the mirror: a table of the library or a .yml file")
+      ->excludes(campaign)
       ->capture_default_str();
   command->footer(
       "Examples:\n"

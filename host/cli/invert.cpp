@@ -127,7 +127,7 @@ std::vector<double> incidences(const Arguments& arguments, const formats::BrdfTa
   std::vector<double> angles = arguments.theta_i_deg;
   if (angles.empty()) {
     for (std::size_t i = 0; i < table.points.size(); ++i) {
-      if (table.points.used[i] != 0) angles.push_back(table.points.theta_i_deg[i]);
+      if (table.points.used[i] != 0) angles.push_back(std::abs(table.points.theta_i_deg[i]));
     }
     std::sort(angles.begin(), angles.end());
     angles.erase(std::unique(angles.begin(), angles.end()), angles.end());

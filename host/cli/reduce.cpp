@@ -68,6 +68,7 @@ calibrate::Calibration find_calibration(const Options& options, const formats::S
     origin = options.calibration;
     return calibrate::read_calibration(options.calibration);
   }
+  if (scan.size() == 0) throw Error(Place{options.scan}, "has no records", "measure again");
   if (const auto reference = scan.key("reference")) {
     std::filesystem::path file = *reference;
     if (!file.is_absolute() && !std::filesystem::exists(file))

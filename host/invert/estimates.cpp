@@ -1,6 +1,7 @@
 #include "host/invert/estimates.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <set>
 #include <utility>
@@ -132,7 +133,8 @@ void set_dhr(const Layout& layout, const formats::BrdfTable& table, const Soluti
   if (angles.empty()) {
     angles.insert(0);
     for (std::size_t i = 0; i < table.points.size(); ++i) {
-      if (table.points.used[i] != 0) angles.insert(table.points.theta_i_deg[i]);
+      // An aligned table may have the normal a little to the other side.
+      if (table.points.used[i] != 0) angles.insert(std::abs(table.points.theta_i_deg[i]));
     }
     if (angles.size() > most_incidences) {
       const std::vector<double> all(angles.begin(), angles.end());

@@ -76,6 +76,11 @@ FittedModel::FittedModel(const formats::FitResult& fit)
   }
 }
 
+bool FittedModel::has_wavelength(double nm) const {
+  return std::any_of(wavelengths_nm_.begin(), wavelengths_nm_.end(),
+                     [nm](double own) { return std::abs(own - nm) < 0.01; });
+}
+
 std::size_t FittedModel::wavelength(double nm) const {
   std::string known;
   for (std::size_t w = 0; w < wavelengths_nm_.size(); ++w) {

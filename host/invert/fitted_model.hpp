@@ -27,6 +27,7 @@ class FittedModel {
 
   /// Index of a wavelength of the fit. Throws umov::Error listing them where there is none such.
   std::size_t wavelength(double nm) const;
+  bool has_wavelength(double nm) const;
   const std::vector<double>& wavelengths_nm() const { return wavelengths_nm_; }
 
   /// Without uncertainty, in 1/sr.

@@ -27,6 +27,13 @@ Prediction predict(const formats::FitResult& fit, const formats::BrdfTable& tabl
   const Observations data = any_used ? observations(table, fit.floor_relative) : Observations{};
   Prediction out;
   for (std::size_t i = 0; i < p.size(); ++i) {
+    if (!model.has_wavelength(p.wavelength_nm[i])) {
+      constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+      out.brdf_per_sr.push_back(unknown);
+      out.calibrated_per_sr.push_back(unknown);
+      out.residual.push_back(unknown);
+      continue;
+    }
     const std::size_t w = model.wavelength(p.wavelength_nm[i]);
     const double f =
         model.value(w, view_of(p, i, aperture), channel_of(p.polarizer_deg[i], p.analyzer_deg[i]));

@@ -21,7 +21,7 @@ struct Prediction {
   std::vector<double> residual;           ///< (measured − calibrated)/uncertainty, NaN where the
                                           ///< uncertainty is not positive
 };
-/// Throws umov::Error where the table has a wavelength that was not fitted.
+/// Points at wavelengths that were not fitted get NaN.
 Prediction predict(const formats::FitResult& fit, const formats::BrdfTable& table);
 
 /// The fitted BRDF as a function of θi, θr (signed in plane), φr in degrees, wavelength in nm and

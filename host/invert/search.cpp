@@ -76,7 +76,9 @@ Found search(const Layout& layout, const Observations& data, const Priors& prior
   for (std::size_t i = 0; i < tried.size() && followed.size() < finalists; ++i) {
     const bool new_optimum =
         followed.empty() || tried[i].merit > tried[followed.back()].merit * (1 + same_optimum);
-    if (new_optimum && tried[i].merit < 1.5 * tried.front().merit) followed.push_back(i);
+    // The first in any case: its merit may be zero.
+    if (followed.empty() || (new_optimum && tried[i].merit < 1.5 * tried.front().merit))
+      followed.push_back(i);
   }
 
   report(0.5, "all points");

@@ -75,7 +75,7 @@ double value_for_slope(const std::string& name, double slope_rms, double sigma_u
 double drawn_value(const std::string& name, const Coordinate& k, double initial, Draw& draw) {
   const double a = draw.uniform(), b = draw.normal();
   if (name == "kappa") {
-    const double top = std::clamp(8.0, k.lo + 1e-2, std::max(k.hi, 1e-2));
+    const double top = std::clamp(8.0, std::min(k.lo + 1e-2, k.hi), std::max(k.hi, 1e-2));
     return std::clamp(std::exp(std::log(1e-2) + a * (std::log(top) - std::log(1e-2))), k.lo, k.hi);
   }
   if (name == "n") {

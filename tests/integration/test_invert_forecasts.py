@@ -36,6 +36,14 @@ class InvertForecasts(UmovCase):
         self.must("calibrate", "white.h5", "-o", "cal.h5")
         self.must("reduce", "scan.h5", "--calibration", "cal.h5", "-o", "brdf.h5")
 
+    def test_rows_of_one_wavelength_can_be_fitted_alone(self):
+        self.must("invert", "brdf.h5", "--rows", "wavelength_nm!=532", "--residuals", "--no-held-out",
+                  "-o", "one.json")
+        fit = json.loads((self.folder / "one.json").read_text())
+        self.assertEqual(fit["wavelengths_nm"], [633])
+        kinds = {row["model_per_sr"] is None for row in fit["points_predicted"]}
+        self.assertEqual(kinds, {True, False})
+
     def test_rivals_are_ranked_and_the_winner_is_written(self):
         done = self.must("invert", "brdf.h5", "--compare", "nef,li-torrance,microfacet+lambertian,interpolation",
                          "-o", "win.json", "--json")

@@ -243,10 +243,10 @@ class Catalogue {
     over.lo = over.absent = under.lo = under.absent = 0.05;
     add(EffectId::beam_overfill, "beam_overfill", "geometry",
         "At oblique incidence the footprint grows beyond the sample and light is lost.",
-        "projected footprint", {over}, sizes({0.4, 0.7, 1.0}));
+        "projected footprint", {over}, sizes({0.3, 0.36, 0.43, 0.55, 0.8, 1.1}));
     add(EffectId::detector_underfill, "detector_underfill", "geometry",
         "The footprint grows beyond the detector's field of view.", "projected footprint", {under},
-        sizes({0.4, 0.7, 1.0}));
+        sizes({0.3, 0.36, 0.43, 0.55, 0.8, 1.1}));
     add(EffectId::retro_occlusion, "retro_occlusion", "geometry",
         "The detector's head stands in the beam: a hole about the way back to the source.",
         "shadow of the detector head",
