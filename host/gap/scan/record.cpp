@@ -70,6 +70,8 @@ void append(const formats::ScanTable& scan, ScanRecords& out) {
     r.theta_r = optics::radians(scan.theta_r_deg[i]);
     r.phi_r = optics::radians(scan.phi_r_deg[i]);
     r.wavelength = index_of_wavelength(out.wavelengths_nm, scan.wavelength_nm[i]);
+    // Longer wavelengths pass the filter, with a transmittance that nobody states.
+    if (a.long_pass && r.wavelength > 0) continue;
     r.polarizer_open = formats::is_open(scan.polarizer_deg[i]);
     r.analyzer_open = formats::is_open(scan.analyzer_deg[i]);
     r.polarizer = r.polarizer_open ? 0 : optics::radians(scan.polarizer_deg[i]);
