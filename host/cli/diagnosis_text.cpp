@@ -40,9 +40,6 @@ std::string verdict_sentence(const gap::Diagnosis& d) {
     const std::string name = with_rivals(c.effect, d);
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   }
-  if (names.empty())
-    for (const auto& set : d.ambiguity_sets)
-      names.push_back(fmt::format("one of {}", fmt::join(set, ", ")));
   return fmt::format("{} closes {}{}", fmt::join(names, " with "), share_text(d.closed_fraction),
                      d.verdict == gap::Verdict::explained ? "; nothing significant is left."
                                                           : "; something significant is left.");

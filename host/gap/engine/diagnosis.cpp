@@ -217,16 +217,15 @@ class Diagnoser {
 
   void causes(const Refit& base, const Refit& after, const Whitening& whitening) {
     const auto& chosen = after.explanation.effects;
-    if (chosen.empty()) return;
+    if (chosen.empty()) {
+      d_.ambiguity_sets.clear();
+      return;
+    }
     // What every subset of the small effects closes on withheld rows. Structure comes before them:
     // without it nothing they do can be seen.
     std::vector<std::size_t> small;
-    Explanation structure = after.explanation;
-    for (const std::size_t e : chosen) {
-      if (model_.effects()[e].structural) continue;
-      small.push_back(e);
-      structure = without_effect(structure, e);
-    }
+    for (const std::size_t e : chosen)
+      if (!model_.effects()[e].structural) small.push_back(e);
     const std::size_t n = chosen.size();
     std::vector<double> closed(std::size_t{1} << small.size(), 0.0);
     const double nothing = sum(held_out_by_fold(model_, base, whitening, d_.search.fold));
@@ -238,6 +237,7 @@ class Diagnoser {
       closed[subset] = nothing - sum(held_out_by_fold(model_, fit, whitening, d_.search.fold));
     });
     const double whole = std::max(closed.back(), 1e-300);
+    const double rest = d_.unexplained_g2 * static_cast<double>(after.residual.size());
     std::vector<double> share(n, 0.0);
     const std::vector<double> of_small = shapley(closed, small.size());
     for (std::size_t k = 0, next_small = 0; k < n; ++k) {
@@ -253,8 +253,16 @@ class Diagnoser {
       for (std::size_t i = 0; i < effect.parameters.size(); ++i, ++next)
         cause.parameters.push_back(
             named_value(effect.parameters[i], after.explanation.alpha[k][i], errors[next]));
-      if (joint_probability(effect.name) >= options_.named) d_.causes.push_back(std::move(cause));
+      // What stays unexplained could be taken for an effect as large: such a one is not named.
+      const bool outweighed = significant_rest() && !effect.structural && share[k] < rest;
+      if (joint_probability(effect.name) >= options_.named && !outweighed)
+        d_.causes.push_back(std::move(cause));
     }
+    std::erase_if(d_.ambiguity_sets, [&](const std::vector<std::string>& set) {
+      return std::none_of(d_.causes.begin(), d_.causes.end(), [&](const Cause& c) {
+        return std::find(set.begin(), set.end(), c.effect) != set.end();
+      });
+    });
     std::stable_sort(d_.causes.begin(), d_.causes.end(),
                      [](const Cause& a, const Cause& b) { return a.share > b.share; });
   }
@@ -275,7 +283,11 @@ class Diagnoser {
       const double needed = 0.5 * (smaller.chi2 - best.refit.chi2);
       std::vector<std::pair<double, std::size_t>> candidates;
       for (std::size_t c = 0; c < view.candidates().size(); ++c) {
-        if (view.candidates()[c].effect == member) continue;
+        const std::size_t effect = view.candidates()[c].effect;
+        const auto& excluded = options_.search.without;
+        if (effect == member ||
+            std::find(excluded.begin(), excluded.end(), effect) != excluded.end())
+          continue;
         const std::size_t one[] = {c};
         const LinearFit alone = view.fit(one);
         if (alone.gain > needed) candidates.emplace_back(-alone.ln_evidence, c);
@@ -311,6 +323,8 @@ class Diagnoser {
     d_.ambiguity_sets = merged(std::move(sets));
   }
 
+  bool significant_rest() const { return d_.unexplained.p_global < options_.significance; }
+
   /// Of a cause and what cannot be told from it.
   double joint_probability(const std::string& name) const {
     for (const auto& set : d_.ambiguity_sets) {
@@ -323,10 +337,10 @@ class Diagnoser {
   }
 
   void verdict() {
-    const bool left = d_.unexplained.p_global < options_.significance;
+    const bool left = significant_rest();
     if (final_.refit.explanation.effects.empty()) {
       d_.verdict = left ? Verdict::unexplained : Verdict::none_needed;
-    } else if (d_.causes.empty() && d_.ambiguity_sets.empty()) {
+    } else if (d_.causes.empty()) {
       d_.verdict = Verdict::unexplained;
     } else {
       d_.verdict = left ? Verdict::explained_in_part : Verdict::explained;

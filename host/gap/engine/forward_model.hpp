@@ -43,7 +43,6 @@ struct Effect {
   std::vector<Parameter> parameters;  ///< the principal one first
   /// Members of one family share `name`; this tells them apart ("ggx"). Empty for most.
   std::string family = {};
-  double prior_odds = 1;  ///< against another effect, before any data
   /// Part of the model's own structure rather than a small error: tried before all others where the
   /// base misses by far.
   bool structural = false;

@@ -64,7 +64,7 @@ LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whiteni
         at.explanation.effects.end())
       continue;
     for (std::size_t g = 0; g < effect.probes.size(); ++g) {
-      Candidate candidate{e, g, {}, 0};
+      Candidate candidate{e, {}};
       for (const Probe& probe : effect.probes[g]) {
         const double units = prior_units(effect, probe);
         members_.push_back({e, probe, one_sided(effect, effect.probes[g]), units * units});
@@ -130,14 +130,6 @@ LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whiteni
       reduced_right_[i] = 0;
     }
   }
-  for (Candidate& candidate : candidates_) {
-    for (const Eigen::Index c : candidate.columns) {
-      const Member& m = members_[static_cast<std::size_t>(c)];
-      candidate.reach = std::max(candidate.reach, std::sqrt(std::max(0.0, reduced_(c, c)) /
-                                                            std::max(m.prior_precision, 1e-300)));
-    }
-  }
-
   left_by_everything_ = residual;
   rank_of_everything_ = static_cast<double>(factor.rank());
   if (probes == 0) return;
@@ -280,20 +272,6 @@ std::vector<double> LinearView::held_out(const std::vector<Eigen::Index>& column
     chi2.push_back(fold.square - 2 * step.dot(fold.right(columns)) + step.dot(moved));
   }
   return chi2;
-}
-
-double LinearView::held_out_chi2(std::span<const std::size_t> set) const {
-  std::vector<Eigen::Index> columns(static_cast<std::size_t>(fitted_));
-  for (Eigen::Index i = 0; i < fitted_; ++i) columns[static_cast<std::size_t>(i)] = i;
-  const std::vector<Eigen::Index> added = columns_of(set);
-  for (const Eigen::Index c : added) columns.push_back(fitted_ + c);
-  Eigen::VectorXd prior = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t i = 0; i < added.size(); ++i)
-    prior[fitted_ + static_cast<Eigen::Index>(i)] =
-        members_[static_cast<std::size_t>(added[i])].prior_precision;
-  double sum = 0;
-  for (const double chi2 : held_out(columns, prior, folds_, all_)) sum += chi2;
-  return sum;
 }
 
 std::vector<double> LinearView::held_out_by_fold() const {

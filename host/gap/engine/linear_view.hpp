@@ -18,11 +18,7 @@ namespace umov::gap {
 /// One way an effect can show: a group of its probes.
 struct Candidate {
   std::size_t effect = 0;
-  std::size_t group = 0;
   std::vector<Eigen::Index> columns;  ///< of the view's matrices
-  /// Whitened length of the signature that the fitted parameters do not absorb, for one prior
-  /// sigma of the effect: what a bench of this kind could show at most.
-  double reach = 0;
 };
 
 /// What a set of candidates does to the residual, to first order.
@@ -34,7 +30,7 @@ struct LinearFit {
 
 class LinearView {
  public:
-  /// `at` must be a minimum. `with_candidates` false: only what is fitted, for held_out_chi2().
+  /// `at` must be a minimum. `with_candidates` false: only what is fitted, for held_out_by_fold().
   LinearView(const ForwardModel& model, const Refit& at, const Whitening& whitening,
              const std::vector<int>& fold, bool with_candidates = true, int threads = 1);
 
@@ -43,9 +39,7 @@ class LinearView {
   LinearFit fit(std::span<const std::size_t> set) const;
   /// Parameter values of a candidate with these coefficients: where a full refit starts.
   std::vector<double> alpha(std::size_t candidate, const Eigen::VectorXd& coefficient) const;
-  /// Sum over the folds of the withheld rows' χ² when the base and `set` are fitted to the others.
-  double held_out_chi2(std::span<const std::size_t> set) const;
-  /// The same of the fitted explanation alone, fold by fold.
+  /// χ² of the withheld rows, fold by fold, when what is fitted is fitted to the others.
   std::vector<double> held_out_by_fold() const;
   /// Median of its sum when the fitted explanation is true: what no model can go below.
   double held_out_floor(int draws, std::uint64_t seed) const;

@@ -107,11 +107,6 @@ class Beam {
   std::map<Set, double> known_;
 };
 
-double held_out(const ForwardModel& model, const Refit& fit, const Whitening& whitening,
-                const std::vector<int>& fold) {
-  return LinearView(model, fit, whitening, fold, false).held_out_chi2({});
-}
-
 /// The base at the best of its starts.
 Refit base_fit(const ForwardModel& model, int threads) {
   const auto fit_from = [&](const Explanation& start) {
@@ -269,7 +264,6 @@ SearchResult search(const ForwardModel& model, const SearchOptions& options) {
     const LinearView view(model, at.refit, whitening, result.fold, true, options.threads);
     if (round == 0) {
       const std::vector<double> maxima = view.null_maxima(2000, options.seed);
-      result.null_95 = maxima[maxima.size() * 95 / 100];
       result.null_99 = maxima[maxima.size() * 99 / 100];
     }
     Beam beam(view, options, ln_odds, from.size());
@@ -334,29 +328,12 @@ SearchResult search(const ForwardModel& model, const SearchOptions& options) {
     return false;
   });
 
-  double best = -1e300;
-  for (const auto& [effects, h] : known) best = std::max(best, h.ln_evidence);
-  double sum = 0;
-  for (auto& [effects, h] : known) {
-    h.probability = std::exp(h.ln_evidence - best);
-    sum += h.probability;
-  }
-  result.inclusion.assign(model.effects().size(), 0.0);
-  for (auto& [effects, h] : known) {
-    h.probability /= sum;
-    for (const std::size_t e : effects) result.inclusion[e] += h.probability;
-    result.hypotheses.push_back(std::move(h));
-  }
+  for (auto& [effects, h] : known) result.hypotheses.push_back(std::move(h));
   std::stable_sort(
       result.hypotheses.begin(), result.hypotheses.end(),
       [](const Hypothesis& a, const Hypothesis& b) { return a.ln_evidence > b.ln_evidence; });
-  tell(0.9, "withheld rows");
-  for (std::size_t i = 0; i < result.hypotheses.size(); ++i) {
-    Hypothesis& h = result.hypotheses[i];
-    if (h.refit.explanation.effects.empty()) result.base = i;
-    if (h.probability > 1e-3 || h.refit.explanation.effects.empty())
-      h.held_out_chi2 = held_out(model, h.refit, whitening, result.fold);
-  }
+  for (std::size_t i = 0; i < result.hypotheses.size(); ++i)
+    if (result.hypotheses[i].refit.explanation.effects.empty()) result.base = i;
   tell(1, "done");
   return result;
 }

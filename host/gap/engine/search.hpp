@@ -43,10 +43,8 @@ struct SearchResult {
   RelativeNoise relative_noise;  ///< as learned
   std::shared_ptr<const Whitening> whitening;  ///< of all hypotheses
   std::vector<int> fold;
-  /// Δχ² that the best single effect would reach by chance (95 %, 99 %), for noise alone.
-  double null_95 = 0, null_99 = 0;
-  /// Probability of every effect, by number.
-  std::vector<double> inclusion;
+  /// Δχ² that the best single effect would reach by chance in 1 % of measurements of noise alone.
+  double null_99 = 0;
   std::size_t base = 0;  ///< place of the base model in `hypotheses`
 };
 

@@ -309,9 +309,8 @@ class Catalogue {
     std::vector<Probe> probes;
     const std::size_t n = scale_.wavelengths_nm.size();
     for (std::size_t i = 0; i < n; ++i) {
-      names_.push_back(fmt::format("weight_{:g}", scale_.wavelengths_nm[i]));
       Parameter p = signed_number("", "1/sr", "size at this wavelength", usual, 10);
-      p.name = names_.back();
+      p.name = fmt::format("weight_{:g}", scale_.wavelengths_nm[i]);
       parameters.push_back(p);
       Probe probe(n, 0.0);
       probe[i] = 1e-4;
@@ -382,7 +381,6 @@ class Catalogue {
 
   const Scale& scale_;
   std::vector<Effect> effects_;
-  std::vector<std::string> names_;
 };
 
 }  // namespace

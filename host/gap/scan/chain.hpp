@@ -173,7 +173,8 @@ Lockin<T> record_signal(const Record& r, const ChainBase<T>& base, bool bent, co
       const Material<T>& own = base.materials[r.wavelength];
       light = reflected(own, r, pose, bent, source, detector, on, bending);
       const auto mix = [&](std::size_t other, const T& fraction) {
-        const T foreign = reflected(base.materials[other], r, pose, bent, source, detector, on, bending);
+        const T foreign =
+            reflected(base.materials[other], r, pose, bent, source, detector, on, bending);
         light += fraction * (foreign - light);
       };
       const auto wavelength_nm = [&](std::size_t i) {

@@ -17,9 +17,6 @@ namespace umov::gap::scan {
 
 struct ScanModelOptions {
   std::string model = "microfacet+nef";
-  /// Start of the model's parameters by name and wavelength number; from a fit of the reduced scan
-  /// where empty.
-  std::vector<double> start;
 };
 
 class ScanModel : public ForwardModel {
