@@ -14,12 +14,24 @@ program_study() {
   echo "page: docs/studies/$name.md; with moving figures: $folder/index.html"
 }
 
+# The catalogue of effects is a page of the documentation by itself.
+effects_study() {
+  local folder=build/studies/effects
+  "$umov" study effects -o "$folder" "$@"
+  /usr/bin/python3 tools/studies/figures.py "$folder/figures.json" -o docs/effects >/dev/null
+  cp "$folder/effects.md" docs/effects/README.md
+  echo "page: docs/effects/README.md; with moving figures: $folder/index.html"
+}
+
 case "${1:-}" in
+  blind) /usr/bin/python3 tools/studies/blind.py -o docs/studies/gap.md "${@:2}" ;;
+  effects) effects_study "${@:2}" ;;
   coverage) /usr/bin/python3 tools/studies/coverage.py -o docs/studies/coverage.md "${@:2}" ;;
   dolp) /usr/bin/python3 tools/studies/dolp.py -o docs/studies/dolp.md "${@:2}" ;;
   models) /usr/bin/python3 tools/studies/models.py -o docs/models.md "${@:2}" ;;
   "")
     "$umov" study
+    echo "blind            are effects named that the diagnosis is not told? (2000 cases, hours, goes on where it stopped; --cases 40)"
     echo "coverage         do the 95 % intervals of the inversion hold the truth? (100 seeds, some ten minutes; --seeds 500 --keep FOLDER)"
     echo "dolp             degree of linear polarisation of four paints in the mirror direction (seconds)"
     echo "models           energy, reciprocity and sampling of every model of the library"

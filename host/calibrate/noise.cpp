@@ -94,19 +94,23 @@ void fit_repeats(const formats::ScanTable& scan, const ScanRows& set_up,
   }
   if (entry.repeat_dof < enough_repeats) return;
   // One-parameter chi-square likelihood in c: Σ dof [s²/V + ln V], V = fixed + c S²; a spike is
-  // damped by capping its s²/V at 9. Repeats of weak signals alone say nothing of c: a broad prior
+  // damped by capping its s²/V at 9, as long as spikes are few: with all of them capped any c would
+  // do, and the smallest look best. Repeats of weak signals alone say nothing of c: a broad prior
   // (a factor of 7 in c) about what blocks and monitor say holds it then.
   const double prior = std::log(
       std::max({entry.x.relative2, entry.monitor_relative * entry.monitor_relative, 1e-10}));
   double best = std::numeric_limits<double>::infinity();
   const auto deviance = [&seen, prior](double c) {
     const double away = (std::log(c) - prior) / 2.0;
-    double sum = away * away;
+    double sum = away * away, capped = 0, all = 0;
     for (const Group& g : seen) {
       const double v = std::max(g.fixed + c * g.signal * g.signal, 1e-300);
-      sum += g.dof * (std::min(g.sum_squares / (g.dof * v), 9.0) + std::log(v));
+      const double square = g.sum_squares / (g.dof * v);
+      all += g.dof;
+      if (square > 9.0) capped += g.dof;
+      sum += g.dof * (std::min(square, 9.0) + std::log(v));
     }
-    return sum;
+    return capped > 0.25 * all ? std::numeric_limits<double>::infinity() : sum;
   };
   const auto consider = [&](double c) {
     const double value = deviance(c);

@@ -13,6 +13,8 @@ void add_blind_command(CLI::App& root, const Common& common) {
   command->fallthrough();
   add_blind_make(*command, common);
   add_blind_scan(*command, common);
+  add_blind_run(*command, common);
+  add_blind_score(*command, common);
   add_blind_inspection(*command, common);
 }
 

@@ -9,5 +9,7 @@ void add_blind_make(CLI::App& blind, const Common& common);
 void add_blind_scan(CLI::App& blind, const Common& common);
 /// `effects` and `check`.
 void add_blind_inspection(CLI::App& blind, const Common& common);
+void add_blind_run(CLI::App& blind, const Common& common);
+void add_blind_score(CLI::App& blind, const Common& common);
 
 }  // namespace umov::cli

@@ -8,21 +8,30 @@
 
 #include "host/cli/command.hpp"
 #include "host/cli/diagnosis_text.hpp"
+#include "host/cli/effects_text.hpp"
+#include "host/cli/follow_up.hpp"
+#include "host/cli/known_beforehand.hpp"
 #include "host/cli/output_file.hpp"
 #include "host/cli/progress.hpp"
+#include "host/cli/quick_diagnosis.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/atomic_file.hpp"
 #include "host/formats/scan_h5.hpp"
 #include "host/formats/sha256.hpp"
 #include "host/gap/answer/diagnosis_json.hpp"
 #include "host/gap/scan/diagnose_scan.hpp"
+#include "host/report/diagnosis_page.hpp"
 
 namespace umov::cli {
 namespace {
 
 struct Arguments {
   std::vector<std::string> scans;
-  std::string json, next;
+  KnownFiles known;
+  FollowUpOptions follow_up;
+  bool quick = false;
+  std::string json, next, report;
+  bool effects = false;
   gap::scan::ScanDiagnoseOptions options;
 };
 
@@ -33,11 +42,24 @@ std::string hash_of(const std::vector<std::string>& files) {
   return all.hex_digest();
 }
 
+/// The sample as the scan's heading names it; empty where it does not.
+std::string sample_of(const formats::ScanTable& scan) {
+  return scan.key("sample").value_or("");
+}
+
 void run(Arguments& a, const Common& common) {
+  if (a.effects) return print_effects(common.json);
+  if (a.scans.empty())
+    throw Error("no scan was named",
+                "umov diagnose scan.h5; `umov diagnose --effects` lists effects");
   if (!a.json.empty()) require_product_output(a.scans, a.json);
   if (!a.next.empty()) require_product_output(a.scans, a.next);
+  if (!a.report.empty()) require_product_output(a.scans, a.report);
+  a.options.picture = !a.report.empty();
   std::vector<formats::ScanTable> scans;
   for (const std::string& path : a.scans) scans.push_back(formats::read_scan(path).table);
+  a.options.model.knowledge = read_known(a.known);
+  if (a.quick) make_quick(a.options);
 
   Progress progress("diagnose", common.quiet || common.json);
   a.options.diagnose.search.seed = common.seed;
@@ -45,8 +67,15 @@ void run(Arguments& a, const Common& common) {
   a.options.diagnose.search.progress = [&](double share, const char* stage) {
     progress.update(share, 1.0, stage);
   };
-  const gap::scan::ScanDiagnosis result = gap::scan::diagnose_scans(scans, a.options);
-  progress.finish();
+  const auto diagnose = [&] {
+    gap::scan::ScanDiagnosis made = gap::scan::diagnose_scans(scans, a.options);
+    progress.finish();
+    return made;
+  };
+  gap::scan::ScanDiagnosis result = diagnose();
+  FollowUps follow_ups;
+  if (!a.follow_up.device.empty())
+    follow_ups = take_follow_ups(a.follow_up, common, a.scans, scans, result, diagnose);
 
   gap::AnswerSource source;
   source.records = result.records;
@@ -57,13 +86,21 @@ void run(Arguments& a, const Common& common) {
   source.seed = common.seed;
   source.model = result.model;
   source.notes = result.notes;
+  source.quick = a.quick;
+  source.limits = limits_of(result.limits);
+  source.known = list_of(a.known);
+  source.follow_ups = follow_ups.rounds;
+  source.follow_up_ended = follow_ups.ended;
   const std::string text = gap::diagnosis_to_json(result.answer, source);
   if (!a.json.empty()) formats::replace_file(a.json, text);
   if (!a.next.empty() && !result.next_plan.empty()) formats::replace_file(a.next, result.next_plan);
+  if (!a.report.empty())
+    formats::replace_file(
+        a.report, report::diagnosis_page({&result, source, sample_of(scans.front()), a.scans, ""}));
   if (common.json) {
     fmt::print("{}", text);
   } else if (!common.quiet) {
-    print_diagnosis(result.answer, result.notes);
+    print_diagnosis(result.answer, source);
   }
 }
 
@@ -73,15 +110,32 @@ void add_diagnose_command(CLI::App& root, const Common& common) {
   const auto a = std::make_shared<Arguments>();
   CLI::App* command = root.add_subcommand(
       "diagnose", "Where a simulation misses a scan, which effects cause it, how far it closes");
-  command->add_option("scans", a->scans, "scan.h5 or Scan CSV; several of one sample together")
-      ->required();
+  command->add_option("scans", a->scans, "scan.h5 or Scan CSV; several of one sample together");
   command->add_option("--json", a->json, "write the diagnosis to this file");
   command->add_option("--next", a->next,
                       "write the plan of the scan to take next, where one is prescribed");
+  command->add_option("--report", a->report, "write the diagnosis as one HTML page with figures");
+  command->add_flag("--effects", a->effects, "list the effects that a diagnosis knows");
   command->add_option("-m,--model", a->options.model.model, "reflectance model of the simulation")
       ->capture_default_str();
   command->add_option("--without", a->options.without, "effects that the diagnosis must do without")
       ->delimiter(',');
+  command->add_option("--calibration", a->known.calibration,
+                      "cal.h5: what it knows of the instrument is in the simulation");
+  command->add_option("--tolerances", a->known.tolerances,
+                      "TOML of how well the bench was aligned, such as "
+                      "examples/tolerances/bench.toml");
+  auto* fit = command->add_option("--fit", a->known.fit,
+                                  "fit.json of umov invert: its model and values to start from");
+  fit->excludes("--model");
+  command->add_flag("--hold", a->known.hold, "keep the fit's values: the gap of that very fit");
+  command->add_flag("--quick", a->quick, "a rougher answer within seconds");
+  add_follow_up_options(*command, a->follow_up);
+  command->footer(
+      "Examples:\n"
+      "  umov diagnose scan.h5 --calibration cal.h5 --report diagnosis.html\n"
+      "  umov diagnose scan.h5 --calibration cal.h5 --fit fit.json --hold\n"
+      "  umov diagnose scan.h5 --calibration cal.h5 --follow-up emulator --seed 7");
   command->callback([a, &common] { run(*a, common); });
 }
 

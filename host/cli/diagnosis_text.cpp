@@ -5,48 +5,33 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "host/gap/answer/words.hpp"
+
 namespace umov::cli {
 namespace {
 
-/// The effect with what cannot be told from it.
-std::string with_rivals(const std::string& effect, const gap::Diagnosis& d) {
-  for (const auto& set : d.ambiguity_sets)
-    if (std::find(set.begin(), set.end(), effect) != set.end())
-      return fmt::format("one of {}", fmt::join(set, ", "));
-  return effect;
-}
-
-std::string share_text(const gap::Interval& closed) {
-  return fmt::format("{:.0f} % of the gap ({:.0f} to {:.0f} %)", 100 * closed.value,
-                     100 * closed.lo, 100 * closed.hi);
+/// "one of backlash, detector_zero; dust" of what is named, with what it cannot be told from.
+std::string in_short(const gap::Outcome& o) {
+  std::vector<std::string> words;
+  for (const auto& set : o.ambiguity_sets)
+    words.push_back(fmt::format("one of {}", fmt::join(set, ", ")));
+  for (const auto& [effect, probability] : o.causes) {
+    const bool told = std::none_of(o.ambiguity_sets.begin(), o.ambiguity_sets.end(),
+                                   [&effect = effect](const auto& set) {
+                                     return std::find(set.begin(), set.end(), effect) != set.end();
+                                   });
+    if (told) words.push_back(effect);
+  }
+  return words.empty() ? "nothing named" : fmt::format("{}", fmt::join(words, "; "));
 }
 
 }  // namespace
 
-std::string verdict_sentence(const gap::Diagnosis& d) {
-  switch (d.verdict) {
-    case gap::Verdict::none_needed:
-      return "The simulation agrees with the measurement within its noise: no effect is needed.";
-    case gap::Verdict::unexplained:
-      return fmt::format(
-          "The simulation misses the measurement by {:.2g} % of the signal, and no effect in the "
-          "catalogue explains it.",
-          d.before.percent);
-    default:
-      break;
-  }
-  std::vector<std::string> names;
-  for (const gap::Cause& c : d.causes) {
-    const std::string name = with_rivals(c.effect, d);
-    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-  }
-  return fmt::format("{} closes {}{}", fmt::join(names, " with "), share_text(d.closed_fraction),
-                     d.verdict == gap::Verdict::explained ? "; nothing significant is left."
-                                                          : "; something significant is left.");
-}
-
-void print_diagnosis(const gap::Diagnosis& d, const std::vector<std::string>& notes) {
-  fmt::print("{}\n", verdict_sentence(d));
+void print_diagnosis(const gap::Diagnosis& d, const gap::AnswerSource& source) {
+  for (const gap::FollowUpRound& r : source.follow_ups)
+    fmt::print("after the scan \"{}\" ({}): {} -> {}\n", r.menu, r.scan, in_short(r.before),
+               in_short(r.after));
+  fmt::print("{}\n", gap::verdict_sentence(d));
   fmt::print("\ngap (withheld rows)  before {:.4g}   after {:.4g}   floor {:.2g}\n", d.before.g2,
              d.after.g2, d.floor.g2);
   if (!d.causes.empty())
@@ -58,6 +43,8 @@ void print_diagnosis(const gap::Diagnosis& d, const std::vector<std::string>& no
     for (const gap::NamedValue& v : c.parameters)
       fmt::print(" {} {:.4g} [{:.4g}, {:.4g}] {}", v.name, v.interval.value, v.interval.lo,
                  v.interval.hi, v.unit == "1" ? "" : v.unit);
+    if (const auto within = gap::within_tolerance(c, source.limits))
+      fmt::print(" ({} tolerance)", *within ? "within" : "beyond");
     fmt::print("\n");
   }
   for (const auto& set : d.ambiguity_sets)
@@ -76,7 +63,8 @@ void print_diagnosis(const gap::Diagnosis& d, const std::vector<std::string>& no
   for (const gap::FurtherScan& s : d.next_scan)
     fmt::print("\nnext: {} ({:.0f} min, separation {:.1f} sigma)\n", s.menu, s.minutes,
                s.expected_separation);
-  for (const std::string& note : notes) fmt::print("note: {}\n", note);
+  if (!source.follow_up_ended.empty()) fmt::print("note: {}\n", source.follow_up_ended);
+  for (const std::string& note : source.notes) fmt::print("note: {}\n", note);
 }
 
 }  // namespace umov::cli

@@ -9,7 +9,8 @@ namespace umov::report {
 struct Assets {
   std::string_view markup;          ///< page/page.html, with {{NAME}} slots
   std::string_view style;           ///< page/page.css
-  std::string_view script;          ///< page/*.js in the order in which they must run
+  std::string_view script;          ///< of a report: page/*.js in the order in which they must run
+  std::string_view diagnosis;       ///< likewise of a diagnosis
   std::string_view plotly;          ///< plotly.js, minified at build time
   std::string_view plotly_licence;  ///< its licence notice
 };

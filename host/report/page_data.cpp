@@ -6,6 +6,7 @@
 #include "host/formats/provenance.hpp"
 #include "host/report/json_parts.hpp"
 #include "host/report/numbers.hpp"
+#include "host/report/page_template.hpp"
 #include "host/report/report.hpp"
 
 namespace umov::report {
@@ -96,18 +97,8 @@ std::string page_data(const std::vector<Sample>& samples, const Options& options
                   {"command", options.command},
                   {"created", options.created.empty() ? formats::utc_now() : options.created},
                   {"samples", std::move(list)}};
-  // "</script>" and "<!--" would end or derail the element that holds the text; bytes that are no
-  // UTF-8 (from foreign headers) become replacement characters.
-  const std::string text = data.dump(-1, ' ', false, Json::error_handler_t::replace);
-  std::string safe;
-  safe.reserve(text.size());
-  for (const char c : text) {
-    if (c == '<')
-      safe += "\\u003c";
-    else
-      safe += c;
-  }
-  return safe;
+  // Bytes that are no UTF-8 (from foreign headers) become replacement characters.
+  return embeddable(data.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 }  // namespace umov::report

@@ -1,6 +1,7 @@
 """umov diagnose on scans that another program made, and on what no diagnosis can be made of."""
 
 import json
+import math
 import unittest
 
 from umov_case import SOURCE, UmovCase
@@ -62,26 +63,53 @@ class Diagnose(UmovCase):
         lines = (SCANS / "scan_05.csv").read_text().splitlines()
         head = [line for line in lines if line.startswith("#") and not line.startswith("# block")]
         names, *rows = [line.split(",") for line in lines if not line.startswith("#")]
-        rows = [dict(zip(names, row)) for row in rows][:keep]
-        for row in rows:
+        rows = [dict(zip(names, row)) for row in rows]
+        rows = list(filter(keep, rows)) if callable(keep) else rows[:keep]
+        for index, row in enumerate(rows):
+            row["index"] = str(index)
             change(row)
         body = [",".join(names)] + [",".join(row[name] for name in names) for row in rows]
         (self.folder / "altered.csv").write_text("\n".join(head + body) + "\n")
         return "altered.csv"
 
+    def test_says_what_one_wavelength_cannot_tell(self):
+        one = self.altered(lambda row: None, lambda row: row["wavelength_nm"] == "532")
+        answer = self.diagnosis(one, "--quick")
+        self.assertTrue(any("one wavelength only" in note for note in answer["data"]["notes"]))
+        self.assertTrue(answer["program"]["quick"])
+        for cause in answer["causes"]:
+            self.assertNotIn(cause["effect"], ("wavelength_error", "laser_crosstalk"))
+
     def test_refuses_what_no_diagnosis_can_be_made_of(self):
         def turned(row):
             row["theta_r_deg"] = str(-float(row["theta_r_deg"]))
+
+        def noise(row):
+            # As like positive as negative, whatever the geometry.
+            size = 1e-5 * math.sin(1 + 7.3 * int(row["index"]) ** 1.5)
+            row.update(x_v=f"{size:.6g}", y_v=f"{-size:.6g}")
 
         cases = [
             ("too few", lambda row: None, 100),
             ("saturated", lambda row: row.update(saturated="1"), None),
             ("the same in all", lambda row: row.update(x_v="0.01", monitor_v="2.5"), None),
             ("wrong sign", turned, None),
+            ("the same in all", lambda row: row.update(x_v="0.01"), None),
+            ("is zero in all", lambda row: row.update(x_v="0", y_v="0"), None),
+            ("noise about zero", noise, None),
+            ("without light", lambda row: row.update(shutter="closed"), None),
+            ("not a finite number", lambda row: row.update(x_v="nan"), None),
         ]
         for says, change, keep in cases:
             with self.subTest(says):
                 self.refused("diagnose", self.altered(change, keep), says=[says])
+        middle = self.altered(turned, lambda row: 20 < float(row["theta_i_deg"]) < 50)
+        self.refused("diagnose", middle, says=["wrong sign"])
+        text = (SCANS / "scan_05.csv").read_text()
+        self.write("other.csv", text.replace("# sample: coupon", "# sample: token"))
+        self.refused("diagnose", SCANS / "scan_05.csv", "other.csv", says=["different samples", "coupon", "token"])
+        self.write("lame.csv", text.replace("theta_r_deg", "theta_x_deg", 1))
+        self.refused("diagnose", "lame.csv", says=["theta_x_deg", "theta_r_deg"])
         self.refused("diagnose", SCANS / "scan_05.csv", "--without", "gremlins",
                      says=["gremlins", "backlash"])
 

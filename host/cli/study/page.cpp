@@ -96,8 +96,12 @@ std::string embeddable(const Json& json) {
 
 }  // namespace
 
-Page::Page(std::string name, std::string title)
-    : name_(std::move(name)), title_(std::move(title)) {}
+Page::Page(std::string name, std::string title) : Page(name, std::move(title), name + "-") {}
+
+Page::Page(std::string name, std::string title, std::string picture_prefix)
+    : name_(std::move(name)),
+      title_(std::move(title)),
+      picture_prefix_(std::move(picture_prefix)) {}
 
 void Page::heading(std::string text) {
   blocks_.push_back({Block::Kind::heading, std::move(text)});
@@ -160,8 +164,8 @@ std::string Page::markdown() const {
         for (const auto& row : block.rows) out += cells(row);
         break;
       case Block::Kind::figure:
-        out +=
-            fmt::format("![{0}]({1}-{0}.svg)\n\n", block.name, name_) + wrapped(block.text) + "\n";
+        out += fmt::format("![{0}]({1}{0}.svg)\n\n", block.name, picture_prefix_) +
+               wrapped(block.text) + "\n";
         break;
     }
   }

@@ -24,6 +24,8 @@ struct Target {
 class Page {
  public:
   Page(std::string name, std::string title);
+  /// Pictures are PREFIXFIGURE.svg instead of NAME-FIGURE.svg.
+  Page(std::string name, std::string title, std::string picture_prefix);
 
   /// Text may hold `code` and **bold**; nothing else is marked up.
   void heading(std::string text);
@@ -58,7 +60,7 @@ class Page {
     std::string name = {};
     Json data = {}, layout = {};
   };
-  std::string name_, title_;
+  std::string name_, title_, picture_prefix_;
   std::vector<Block> blocks_;
   Json numbers_ = Json::object();
 };

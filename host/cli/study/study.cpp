@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "host/cli/study/effects.hpp"
+#include "host/cli/study/pointing.hpp"
 #include "host/cli/study/real_data.hpp"
 #include "host/cli/study/reflectometer.hpp"
 #include "host/errors/error.hpp"
@@ -15,6 +17,10 @@ constexpr std::array all{
           reflectometer},
     Study{"real-data", "in-plane fits foretell real data out of the plane (minutes; UMOV_DATA)",
           real_data, true},
+    Study{"effects", "the effects that a diagnosis knows, each with its signature (seconds)",
+          effects},
+    Study{"pointing", "withheld terms of a telescope's pointing, real runs (seconds; UMOV_DATA)",
+          pointing},
 };
 
 }  // namespace

@@ -44,6 +44,15 @@ Json cells(const Where& where) {
   return out;
 }
 
+Json outcome(const Outcome& o) {
+  Json causes = Json::array();
+  for (const auto& [effect, probability] : o.causes)
+    causes.push_back({{"effect", effect}, {"probability", probability}});
+  return {{"verdict", to_string(o.verdict)},
+          {"causes", std::move(causes)},
+          {"ambiguity_sets", o.ambiguity_sets}};
+}
+
 Json size(const GapSize& gap) {
   return {{"g2", gap.g2}, {"percent", gap.percent}};
 }
@@ -65,6 +74,7 @@ std::string diagnosis_to_json(const Diagnosis& d, const AnswerSource& source) {
     cause["probability"] = c.probability;
     cause["share"] = c.share;
     cause["parameters"] = named_values(c.parameters);
+    if (const auto within = within_tolerance(c, source.limits)) cause["within_tolerance"] = *within;
     out["causes"].push_back(std::move(cause));
   }
   out["ambiguity_sets"] = d.ambiguity_sets;
@@ -86,6 +96,19 @@ std::string diagnosis_to_json(const Diagnosis& d, const AnswerSource& source) {
   if (!source.notes.empty()) out["data"]["notes"] = source.notes;
   out["program"] = {
       {"version", source.version}, {"seed", source.seed}, {"command", source.command}};
+  out["program"]["quick"] = source.quick;
+  if (!source.known.empty()) {
+    for (const auto& [kind, path] : source.known) out["known"][kind] = path;
+  }
+  if (!source.follow_ups.empty() || !source.follow_up_ended.empty()) {
+    out["follow_ups"] = Json::array();
+    for (const FollowUpRound& r : source.follow_ups)
+      out["follow_ups"].push_back({{"menu", r.menu},
+                                   {"scan", r.scan},
+                                   {"before", outcome(r.before)},
+                                   {"after", outcome(r.after)}});
+    if (!source.follow_up_ended.empty()) out["follow_up_ended"] = source.follow_up_ended;
+  }
   return out.dump(1) + "\n";
 }
 

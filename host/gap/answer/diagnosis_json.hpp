@@ -4,11 +4,26 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "host/gap/answer/tolerance.hpp"
 #include "host/gap/engine/diagnosis.hpp"
 
 namespace umov::gap {
+
+/// What a diagnosis said, in short.
+struct Outcome {
+  Verdict verdict = Verdict::none_needed;
+  std::vector<std::pair<std::string, double>> causes;  ///< with probability
+  std::vector<std::vector<std::string>> ambiguity_sets;
+};
+
+/// A prescribed scan that was taken, and what it changed.
+struct FollowUpRound {
+  std::string menu, scan;  ///< `scan`: the file
+  Outcome before, after;
+};
 
 /// What the answer rests on; written beside it.
 struct AnswerSource {
@@ -18,6 +33,12 @@ struct AnswerSource {
   std::uint64_t seed = 1;
   std::string model;  ///< of the base
   std::vector<std::string> notes;
+  bool quick = false;             ///< fewer draws, a smaller search, thinned records
+  std::vector<SizeLimit> limits;  ///< declared tolerances
+  /// Kind ("calibration") and path of what was known beforehand.
+  std::vector<std::pair<std::string, std::string>> known;
+  std::vector<FollowUpRound> follow_ups;
+  std::string follow_up_ended;  ///< why a prescribed scan was not taken
 };
 
 /// The text of the file, with a new line at its end.

@@ -124,11 +124,14 @@ class Diagnoser {
     };
     best.held_out_chi2 = withheld(best.refit);
     while (!best.refit.explanation.effects.empty()) {
-      const auto effects = best.refit.explanation.effects;
+      std::vector<std::size_t> effects;
+      for (const std::size_t e : best.refit.explanation.effects)
+        if (!carries(e)) effects.push_back(e);
+      if (effects.empty()) break;
       std::vector<Hypothesis> smaller(effects.size());
       for_each_index(effects.size(), options_.search.threads, [&](std::size_t i) {
-        smaller[i].refit =
-            refit(model_, without_effect(best.refit.explanation, effects[i]), whitening);
+        smaller[i].refit = refit(model_, without_effect(best.refit.explanation, effects[i]),
+                                 whitening, 15, &best.refit);
         smaller[i].held_out_chi2 = withheld(smaller[i].refit);
       });
       const auto least = std::min_element(
@@ -136,11 +139,18 @@ class Diagnoser {
           [](const auto& a, const auto& b) { return a.held_out_chi2 < b.held_out_chi2; });
       if (least->held_out_chi2 > best.held_out_chi2) break;
       best = std::move(*least);
+      best.refit = refit(model_, best.refit.explanation, whitening);
       best.ln_evidence = log_evidence(model_, best.refit) +
                          log_prior_odds(model_, options_.search) *
                              static_cast<double>(best.refit.explanation.effects.size());
     }
     return best;
+  }
+
+  /// Part of the structure without which nothing else could be seen.
+  bool carries(std::size_t effect) const {
+    const auto& structure = d_.search.structure;
+    return std::find(structure.begin(), structure.end(), effect) != structure.end();
   }
 
   /// Over the hypotheses of the search and the rivals that were tried after it.
@@ -233,7 +243,8 @@ class Diagnoser {
       Explanation part = after.explanation;
       for (std::size_t i = 0; i < small.size(); ++i)
         if (!((subset >> i) & 1U)) part = without_effect(part, small[i]);
-      const Refit fit = subset + 1 == closed.size() ? after : refit(model_, part, whitening);
+      const Refit fit =
+          subset + 1 == closed.size() ? after : refit(model_, part, whitening, 15, &after);
       closed[subset] = nothing - sum(held_out_by_fold(model_, fit, whitening, d_.search.fold));
     });
     const double whole = std::max(closed.back(), 1e-300);
@@ -274,13 +285,22 @@ class Diagnoser {
     std::vector<std::set<std::string>> sets;
     const double ln_odds = log_prior_odds(model_, options_.search);
     for (const std::size_t member : best.refit.explanation.effects) {
+      if (carries(member)) continue;
       std::set<std::string> set{model_.effects()[member].name};
+      // Where the cause is taken away and nothing else has moved yet: a rival starts from what it
+      // would have to stand in for, with all other parameters where they belong.
       const Refit smaller =
-          refit(model_, without_effect(best.refit.explanation, member), whitening);
+          refit(model_, without_effect(best.refit.explanation, member), whitening, 0, &best.refit);
       const LinearView view(model_, smaller, whitening, d_.search.fold, true,
                             options_.search.threads);
-      // The linear view overrates what a rival could do as often as not: half will do for a trial.
-      const double needed = 0.5 * (smaller.chi2 - best.refit.chi2);
+      // The linear view overrates what a rival could do as often as not: half of what it sees of
+      // the cause itself will do for a trial.
+      double own = 0;
+      for (std::size_t c = 0; c < view.candidates().size(); ++c) {
+        const std::size_t one[] = {c};
+        if (view.candidates()[c].effect == member) own = std::max(own, view.fit(one).gain);
+      }
+      const double needed = 0.5 * own;
       std::vector<std::pair<double, std::size_t>> candidates;
       for (std::size_t c = 0; c < view.candidates().size(); ++c) {
         const std::size_t effect = view.candidates()[c].effect;
@@ -305,7 +325,7 @@ class Diagnoser {
         h.refit = refit(model_,
                         with_effect(smaller.explanation, view.candidates()[rivals[i]].effect,
                                     view.alpha(rivals[i], view.fit(one).coefficient)),
-                        whitening);
+                        whitening, 15, &best.refit);
         h.ln_evidence = log_evidence(model_, h.refit) +
                         ln_odds * static_cast<double>(h.refit.explanation.effects.size());
       });

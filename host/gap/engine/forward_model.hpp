@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -84,9 +85,16 @@ class ForwardModel {
   /// Base parameters to start fits from, besides the declared ones: a base may have several minima.
   virtual std::vector<std::vector<double>> further_starts() const { return {}; }
   /// What the measurement should read. `jacobian`, where asked for: one row an observation, columns
-  /// base parameters, then those of each effect in order.
+  /// base parameters, then those of each effect in order. Columns that `wanted` (one flag each,
+  /// empty: all) does not ask for are zero.
   virtual void predict(const Explanation& explanation, Eigen::VectorXd& mean,
-                       Eigen::MatrixXd* jacobian) const = 0;
+                       Eigen::MatrixXd* jacobian, const std::vector<bool>& wanted = {}) const = 0;
+  /// The same model looking at about `most` of its observations, spread evenly, to find the way by;
+  /// null where it is not larger than that.
+  virtual std::unique_ptr<ForwardModel> thinned(std::size_t most) const {
+    static_cast<void>(most);
+    return nullptr;
+  }
   /// Noise of the observations whose expectation is `mean`.
   virtual NoiseShape noise(const Eigen::VectorXd& mean) const = 0;
   /// False: the white part of noise() is right up to a common factor, which the engine estimates

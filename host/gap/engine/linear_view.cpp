@@ -242,13 +242,18 @@ std::vector<double> LinearView::alpha(std::size_t candidate,
         std::abs(coefficient[static_cast<Eigen::Index>(most)]))
       most = i;
   std::vector<double> alpha = members_[static_cast<std::size_t>(c.columns[most])].probe;
+  // Alternatives of different size say that the effect is not in proportion to its parameter: far
+  // from the probe the straight line is no guide.
+  const bool bends = effect.probes.size() > 1 && effect.probes[0].size() == 1 &&
+                     effect.probes[0][0][0] != effect.probes[1][0][0];
   for (std::size_t p = 0; p < alpha.size(); ++p) {
     const Parameter& parameter = effect.parameters[p];
     if (parameter.shape || parameter.choice) continue;
     double value = parameter.absent;
     for (std::size_t i = 0; i < c.columns.size(); ++i) {
       const auto& probe = members_[static_cast<std::size_t>(c.columns[i])].probe;
-      value += coefficient[static_cast<Eigen::Index>(i)] * (probe[p] - parameter.absent);
+      const double times = coefficient[static_cast<Eigen::Index>(i)];
+      value += (bends ? std::clamp(times, 0.5, 2.0) : times) * (probe[p] - parameter.absent);
     }
     alpha[p] = std::clamp(value, parameter.lo, parameter.hi);
   }
@@ -321,31 +326,40 @@ double LinearView::held_out_floor(int draws, std::uint64_t seed) const {
 }
 
 std::vector<double> LinearView::null_maxima(int draws, std::uint64_t seed) const {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(reduced_);
+  // Signatures of unit length: their sizes differ by more than rounding would bear.
+  Eigen::VectorXd unit(reduced_.rows());
+  for (Eigen::Index i = 0; i < unit.size(); ++i)
+    unit[i] = reduced_(i, i) > 0 ? 1.0 / std::sqrt(reduced_(i, i)) : 0.0;
+  const Eigen::MatrixXd overlap = unit.asDiagonal() * reduced_ * unit.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(overlap);
   const Eigen::MatrixXd root =
       eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  // Structure is judged by its evidence: its many terms together would gain much by chance.
+  std::vector<std::size_t> small;
   std::vector<Eigen::MatrixXd> inverse;
-  for (const Candidate& c : candidates_) {
-    Eigen::MatrixXd part = reduced_(c.columns, c.columns);
-    const double largest = part.diagonal().maxCoeff();
-    if (!(largest > 0)) {
-      // Absorbed by what is fitted: it gains nothing.
-      inverse.emplace_back(Eigen::MatrixXd::Zero(part.rows(), part.cols()));
-      continue;
-    }
-    part.diagonal().array() += 1e-9 * largest;
-    inverse.emplace_back(part.inverse());
+  for (std::size_t k = 0; k < candidates_.size(); ++k) {
+    const Candidate& c = candidates_[k];
+    if (model_.effects()[c.effect].structural) continue;
+    const Eigen::MatrixXd part = overlap(c.columns, c.columns);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> own(part);
+    // What is fitted has absorbed the directions without length.
+    const double least = 1e-6 * own.eigenvalues().maxCoeff();
+    Eigen::VectorXd reciprocal = own.eigenvalues();
+    for (double& x : reciprocal) x = x > least && x > 0 ? 1.0 / x : 0.0;
+    inverse.emplace_back(own.eigenvectors() * reciprocal.asDiagonal() *
+                         own.eigenvectors().transpose());
+    small.push_back(k);
   }
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   std::vector<double> maxima;
-  Eigen::VectorXd draw(reduced_.rows());
+  Eigen::VectorXd draw(overlap.rows());
   for (int d = 0; d < draws; ++d) {
     for (double& x : draw) x = normal(random);
     const Eigen::VectorXd right = root * draw;
     double most = 0;
-    for (std::size_t k = 0; k < candidates_.size(); ++k) {
-      const Candidate& c = candidates_[k];
+    for (std::size_t k = 0; k < small.size(); ++k) {
+      const Candidate& c = candidates_[small[k]];
       const Eigen::VectorXd part = right(c.columns);
       if (members_[static_cast<std::size_t>(c.columns[0])].one_sided && part[0] < 0) continue;
       most = std::max(most, part.dot(inverse[k] * part));

@@ -43,8 +43,8 @@ class LinearView {
   std::vector<double> held_out_by_fold() const;
   /// Median of its sum when the fitted explanation is true: what no model can go below.
   double held_out_floor(int draws, std::uint64_t seed) const;
-  /// Largest gain of any single candidate in `draws` measurements that hold nothing but noise;
-  /// ascending.
+  /// Largest gain of any single candidate (structural ones apart) in `draws` measurements that hold
+  /// nothing but noise; ascending.
   std::vector<double> null_maxima(int draws, std::uint64_t seed) const;
   /// Whitened residual that all candidates together leave, and how many degrees of freedom they and
   /// the fitted parameters take: noise, as far as the catalogue knows.

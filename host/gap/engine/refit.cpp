@@ -94,8 +94,9 @@ Eigen::VectorXd bounded_step(const Flat& flat, const Eigen::VectorXd& value,
   return step;
 }
 
-/// Decrease of χ² below which a fit is settled, and below which a step's derivatives serve again.
-constexpr double settled_gain = 1e-4, carried_gain = 1.0;
+/// Decrease of χ², in units of χ² per observation where that is above one, below which a fit is
+/// settled, and below which a step's derivatives serve again.
+constexpr double settled_gain = 1e-2, carried_gain = 1.0;
 
 struct Evaluation {
   Eigen::VectorXd mean, residual;
@@ -130,18 +131,35 @@ Explanation without_effect(const Explanation& explanation, std::size_t effect) {
   return result;
 }
 
+/// For every parameter of an explanation, which one of another's it is; -1 where it has none.
+std::vector<Eigen::Index> places_in(const Explanation& of, const Explanation& in) {
+  std::vector<Eigen::Index> places(of.base.size());
+  for (std::size_t i = 0; i < places.size(); ++i) places[i] = static_cast<Eigen::Index>(i);
+  for (std::size_t k = 0; k < of.effects.size(); ++k) {
+    auto next = static_cast<Eigen::Index>(in.base.size());
+    bool found = false;
+    for (std::size_t j = 0; j < in.effects.size() && !found; ++j) {
+      found = in.effects[j] == of.effects[k];
+      if (!found) next += static_cast<Eigen::Index>(in.alpha[j].size());
+    }
+    for (std::size_t i = 0; i < of.alpha[k].size(); ++i) places.push_back(found ? next++ : -1);
+  }
+  return places;
+}
+
 Refit refit(const ForwardModel& model, const Explanation& start, const Whitening& whitening,
-            int max_iterations) {
+            int max_iterations, const Refit* near) {
   Refit best;
   best.explanation = start;
   const Flat flat = flatten(model, start);
   const Eigen::VectorXd weight = prior_weight(flat);
   const Eigen::VectorXd& observed = model.observations().value;
 
-  const auto evaluate = [&](const Eigen::VectorXd& value, Eigen::MatrixXd* jacobian) {
+  const auto evaluate = [&](const Eigen::VectorXd& value, Eigen::MatrixXd* jacobian,
+                            const std::vector<bool>& wanted = {}) {
     unflatten(value, best.explanation);
     Evaluation e;
-    model.predict(best.explanation, e.mean, jacobian);
+    model.predict(best.explanation, e.mean, jacobian, wanted);
     e.residual = whitening.apply(observed - e.mean);
     e.chi2 = e.residual.squaredNorm();
     const Eigen::VectorXd distance = from_prior(flat, value);
@@ -153,29 +171,67 @@ Refit refit(const ForwardModel& model, const Explanation& start, const Whitening
   };
 
   Eigen::VectorXd value = within_bounds(flat, flat.value);
-  Eigen::MatrixXd jacobian;
-  Evaluation now = evaluate(value, &jacobian);
-  const auto take_derivatives = [&] {
-    jacobian = whitening.apply(jacobian);
+  best.own_derivatives = near == nullptr;
+  std::vector<Eigen::Index> known;
+  std::vector<bool> wanted;
+  if (near != nullptr) {
+    known = places_in(start, near->explanation);
+    for (const Eigen::Index place : known) wanted.push_back(place < 0);
+  }
+  Eigen::MatrixXd fresh_columns;
+  Evaluation now = evaluate(value, &fresh_columns, wanted);
+  Eigen::MatrixXd jacobian(observed.size(), value.size());
+  // What is borrowed stays as it is: only columns that are new are differentiated and multiplied.
+  std::vector<Eigen::Index> lent, lent_from, own;
+  for (Eigen::Index i = 0; i < value.size(); ++i) {
+    if (near != nullptr && known[static_cast<std::size_t>(i)] >= 0) {
+      lent.push_back(i);
+      lent_from.push_back(known[static_cast<std::size_t>(i)]);
+    } else {
+      own.push_back(i);
+    }
+  }
+  Eigen::MatrixXd lent_precision;
+  if (near != nullptr) {
+    jacobian(Eigen::all, lent) = near->jacobian(Eigen::all, lent_from);
+    lent_precision = near->precision(lent_from, lent_from);
+    lent_precision.diagonal() -= near->prior_precision(lent_from);
+  }
+  const auto take_derivatives = [&](Eigen::MatrixXd& fresh) {
     best.precision = Eigen::MatrixXd::Zero(value.size(), value.size());
-    best.precision.selfadjointView<Eigen::Lower>().rankUpdate(jacobian.transpose());
-    best.precision = Eigen::MatrixXd(best.precision.selfadjointView<Eigen::Lower>());
+    if (near == nullptr) {
+      jacobian = whitening.apply(fresh);
+      best.precision.selfadjointView<Eigen::Lower>().rankUpdate(jacobian.transpose());
+      best.precision = Eigen::MatrixXd(best.precision.selfadjointView<Eigen::Lower>());
+    } else {
+      best.precision(lent, lent) = lent_precision;
+      if (!own.empty()) {
+        const Eigen::MatrixXd columns = whitening.apply(Eigen::MatrixXd(fresh(Eigen::all, own)));
+        jacobian(Eigen::all, own) = columns;
+        const Eigen::MatrixXd products = jacobian.transpose() * columns;
+        best.precision(Eigen::all, own) = products;
+        best.precision(own, Eigen::all) = products.transpose();
+      }
+    }
     best.precision.diagonal() += weight;
   };
   const auto gradient_of = [&](const Evaluation& e) -> Eigen::VectorXd {
     return jacobian.transpose() * e.residual - weight.cwiseProduct(from_prior(flat, value));
   };
-  take_derivatives();
-  bool derivatives_are_here = true;
+  take_derivatives(fresh_columns);
+  // Derivatives of a step ago serve again where they lead downhill fast enough.
+  bool fresh = true;
   double damping = 1e-4;
   for (; best.iterations < max_iterations; ++best.iterations) {
     const Eigen::VectorXd gradient = gradient_of(now);
+    const double unit = std::max(1.0, now.chi2 / static_cast<double>(observed.size()));
     bool improved = false;
     double gained = 0;
-    for (int attempt = 0; attempt < 12 && !improved; ++attempt) {
+    const int attempts = !fresh ? 1 : near == nullptr ? 12 : 4;
+    for (int attempt = 0; attempt < attempts && !improved; ++attempt) {
       const Eigen::VectorXd step = bounded_step(flat, value, best.precision, gradient, damping);
       const Eigen::VectorXd tried = within_bounds(flat, value + step);
-      if ((tried - value).cwiseAbs2().dot(best.precision.diagonal()) < 1e-14) break;
+      if ((tried - value).dot(gradient) < 0.1 * settled_gain * unit) break;
       const Evaluation then = evaluate(tried, nullptr);
       if (then.cost() <= now.cost()) {
         gained = now.cost() - then.cost();
@@ -183,27 +239,25 @@ Refit refit(const ForwardModel& model, const Explanation& start, const Whitening
         now = then;
         improved = true;
         damping = std::max(1e-9, damping * 0.1);
-      } else if (!derivatives_are_here) {
-        break;
       } else {
         damping *= 10;
       }
     }
-    const bool settled = !improved || gained < settled_gain;
-    if (settled && derivatives_are_here) break;
-    // Old derivatives will do while they still carry far: near a minimum most models are straight.
-    const bool carries = derivatives_are_here && improved && gained < carried_gain;
-    if (carries) {
-      derivatives_are_here = false;
+    const double enough = (near == nullptr ? 1.0 : 10.0) * settled_gain * unit;
+    const bool settled = !improved || gained < enough;
+    if (settled && fresh) break;
+    // Near a minimum most models are straight.
+    if (fresh && improved && gained < carried_gain * unit) {
+      fresh = false;
       continue;
     }
-    now = evaluate(value, &jacobian);
-    take_derivatives();
-    derivatives_are_here = true;
+    now = evaluate(value, &fresh_columns, wanted);
+    take_derivatives(fresh_columns);
+    fresh = true;
   }
-  if (!derivatives_are_here) {
-    now = evaluate(value, &jacobian);
-    take_derivatives();
+  if (!fresh) {
+    now = evaluate(value, &fresh_columns, wanted);
+    take_derivatives(fresh_columns);
   }
   best.prior_precision = weight;
   const Eigen::VectorXd gradient = gradient_of(now);

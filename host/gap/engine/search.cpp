@@ -107,8 +107,17 @@ class Beam {
   std::map<Set, double> known_;
 };
 
+/// Of a refit in the search.
+constexpr int most_iterations = 8;
+/// ln of the odds against the best beyond which a hypothesis need not be settled to the last digit.
+constexpr double worth_settling = 4;
+/// Observations that starts and structure are looked for with.
+constexpr std::size_t most_to_find_the_way = 2400;
+
 /// The base at the best of its starts.
-Refit base_fit(const ForwardModel& model, int threads) {
+Refit base_fit(const ForwardModel& whole, int threads) {
+  const std::unique_ptr<ForwardModel> few = whole.thinned(most_to_find_the_way);
+  const ForwardModel& model = few ? *few : whole;
   const auto fit_from = [&](const Explanation& start) {
     // Weights from the prediction: once from the start's, once from its fit.
     Eigen::VectorXd mean;
@@ -136,18 +145,37 @@ Refit base_fit(const ForwardModel& model, int threads) {
       best = std::move(fits[i]);
     }
   }
-  return best;
+  if (few == nullptr) return best;
+  Eigen::VectorXd mean;
+  whole.predict(best.explanation, mean, nullptr);
+  return refit(whole, best.explanation, Whitening(whole.noise(mean)));
 }
 
 /// Takes structural effects in, one at a time, for as long as the best of them takes away much of a
 /// misfit that dwarfs the noise: among small effects a search could not see the wood for the trees.
-Refit with_structure(const ForwardModel& model, Refit centre, const SearchOptions& options) {
+///
+/// It stops where one of the others alone would do more: a small effect far out of its usual size
+/// is no reason to bend the model. `carrying`: those whose misfit was several times the rest.
+Refit with_structure(const ForwardModel& whole, Refit centre, const SearchOptions& options,
+                     std::vector<std::size_t>& carrying) {
+  const std::unique_ptr<ForwardModel> few = whole.thinned(most_to_find_the_way);
+  const ForwardModel& model = few ? *few : whole;
+  if (few) {
+    Eigen::VectorXd mean;
+    model.predict(centre.explanation, mean, nullptr);
+    centre = refit(model, centre.explanation, Whitening(model.noise(mean)));
+  }
   constexpr double dwarfed = 1.5;     // χ² over the number of observations
-  constexpr double worthwhile = 0.8;  // χ² with over without
-  for (std::size_t round = 0; round < options.max_effects; ++round) {
+  constexpr double worthwhile = 0.9;  // χ² with over without
+  constexpr double several = 3;
+  constexpr int first_look = 10;  // iterations for all
+  constexpr std::size_t finalists = 4;
+  const double ln_odds = log_prior_odds(model, options);
+  for (std::size_t round = 0; round < options.max_structure; ++round) {
     const Whitening whitening(model.noise(centre.mean));
     centre = refit(model, centre.explanation, whitening);
-    if (centre.chi2 < dwarfed * static_cast<double>(centre.residual.size())) break;
+    const auto n = static_cast<double>(centre.residual.size());
+    if (centre.chi2 < dwarfed * n) break;
     std::vector<Explanation> starts;
     for (std::size_t e = 0; e < model.effects().size(); ++e) {
       const Effect& effect = model.effects()[e];
@@ -160,21 +188,64 @@ Refit with_structure(const ForwardModel& model, Refit centre, const SearchOption
         starts.push_back(with_effect(centre.explanation, e, group.front()));
     }
     std::vector<Refit> fits(starts.size());
-    for_each_index(starts.size(), options.threads,
-                   [&](std::size_t i) { fits[i] = refit(model, starts[i], whitening, 60); });
-    Refit best = centre;
-    for (Refit& fit : fits)
-      if (fit.chi2 + fit.penalty < best.chi2 + best.penalty) best = std::move(fit);
-    if (best.chi2 > worthwhile * centre.chi2) break;
-    centre = std::move(best);
+    const auto cost = [](const Refit& fit) { return fit.chi2 + fit.penalty; };
+    for_each_index(starts.size(), options.threads, [&](std::size_t i) {
+      fits[i] = refit(model, starts[i], whitening, first_look);
+    });
+    // The best of each effect go on to the end.
+    std::stable_sort(fits.begin(), fits.end(),
+                     [&](const Refit& a, const Refit& b) { return cost(a) < cost(b); });
+    std::set<std::vector<std::size_t>> sets;
+    std::erase_if(fits, [&](const Refit& fit) {
+      return sets.size() >= finalists || !sets.insert(fit.explanation.effects).second;
+    });
+    for_each_index(fits.size(), options.threads, [&](std::size_t i) {
+      fits[i] = refit(model, fits[i].explanation, whitening, 25);
+    });
+    // Noise as large as the best of them leaves: families that differ by less are told apart by how
+    // much they had to be bent, not by how well they fit.
+    double least = cost(centre);
+    for (const Refit& fit : fits) least = std::min(least, cost(fit));
+    const double inflation = std::max(1.0, least / n);
+    const Refit* best = nullptr;
+    double best_score = -1e300;
+    for (const Refit& fit : fits) {
+      const double score = log_evidence(model, fit, inflation) +
+                           ln_odds * static_cast<double>(fit.explanation.effects.size());
+      if (score > best_score) {
+        best_score = score;
+        best = &fit;
+      }
+    }
+    if (best == nullptr || best->chi2 > worthwhile * centre.chi2) break;
+    const LinearView view(model, centre, whitening, {}, true, options.threads);
+    double alone = 0;
+    for (std::size_t c = 0; c < view.candidates().size(); ++c) {
+      const std::size_t effect = view.candidates()[c].effect;
+      const std::size_t one[] = {c};
+      if (!model.effects()[effect].structural &&
+          std::find(options.without.begin(), options.without.end(), effect) ==
+              options.without.end())
+        alone = std::max(alone, 2 * view.fit(one).ln_evidence);
+    }
+    if (alone > cost(centre) - cost(*best)) break;
+    if (best->chi2 * several < centre.chi2)
+      for (const std::size_t e : best->explanation.effects)
+        if (std::find(centre.explanation.effects.begin(), centre.explanation.effects.end(), e) ==
+            centre.explanation.effects.end())
+          carrying.push_back(e);
+    centre = *best;
   }
-  return centre;
+  if (few == nullptr) return centre;
+  Eigen::VectorXd mean;
+  whole.predict(centre.explanation, mean, nullptr);
+  return refit(whole, centre.explanation, Whitening(whole.noise(mean)));
 }
 
 }  // namespace
 
-double log_evidence(const ForwardModel& model, const Refit& fit) {
-  double value = -0.5 * (fit.chi2 + fit.penalty);
+double log_evidence(const ForwardModel& model, const Refit& fit, double inflation) {
+  double value = -0.5 * (fit.chi2 + fit.penalty) / inflation;
   const auto fitted = static_cast<Eigen::Index>(fit.explanation.base.size());
   // Base parameters are the same in every hypothesis: their prior volume cancels.
   Eigen::VectorXd unit(fit.precision.rows());
@@ -222,7 +293,7 @@ SearchResult search(const ForwardModel& model, const SearchOptions& options) {
 
   Refit base = base_fit(model, options.threads);
   tell(0.05, "structure of the model");
-  Refit centre = with_structure(model, base, options);
+  Refit centre = with_structure(model, base, options, result.structure);
   Whitening whitening(model.noise(centre.mean));
   {
     // Noise that is not known beforehand is what the whole catalogue together cannot explain.
@@ -258,7 +329,7 @@ SearchResult search(const ForwardModel& model, const SearchOptions& options) {
   // the best one found, until that does not change.
   std::vector<std::size_t> from = centre.explanation.effects;
   std::set<std::vector<std::size_t>> seen;
-  for (int round = 0; round < 4 && seen.insert(from).second; ++round) {
+  for (int round = 0; round < 3 && seen.insert(from).second; ++round) {
     tell(0.1 + 0.2 * round, "sets of effects");
     const Hypothesis at = known.at(from);
     const LinearView view(model, at.refit, whitening, result.fold, true, options.threads);
@@ -266,7 +337,9 @@ SearchResult search(const ForwardModel& model, const SearchOptions& options) {
       const std::vector<double> maxima = view.null_maxima(2000, options.seed);
       result.null_99 = maxima[maxima.size() * 99 / 100];
     }
-    Beam beam(view, options, ln_odds, from.size());
+    const auto small = std::count_if(from.begin(), from.end(),
+                                     [&](std::size_t e) { return !model.effects()[e].structural; });
+    Beam beam(view, options, ln_odds, static_cast<std::size_t>(small));
     struct Task {
       std::vector<std::size_t> effects;
       Explanation start;
@@ -292,13 +365,13 @@ SearchResult search(const ForwardModel& model, const SearchOptions& options) {
       }
       add_task(std::move(explanation));
     }
-    // Backward: each effect of the centre on trial, and exchanged for each other effect.
+    // Backward: each effect of the centre on trial.
     for (const std::size_t e : from) {
       add_task(without_effect(at.refit.explanation, e));
     }
     std::vector<Hypothesis> assessed(tasks.size());
     for_each_index(tasks.size(), options.threads, [&](std::size_t i) {
-      assessed[i] = assess(refit(model, tasks[i].start, whitening));
+      assessed[i] = assess(refit(model, tasks[i].start, whitening, most_iterations, &at.refit));
     });
     for (std::size_t i = 0; i < tasks.size(); ++i)
       known.emplace(tasks[i].effects, std::move(assessed[i]));
@@ -310,6 +383,18 @@ SearchResult search(const ForwardModel& model, const SearchOptions& options) {
         from = effects;
       }
     }
+  }
+
+  // What leads is settled with its own derivatives.
+  {
+    std::vector<Hypothesis*> leading;
+    double best = -1e300;
+    for (auto& [effects, h] : known) best = std::max(best, h.ln_evidence);
+    for (auto& [effects, h] : known)
+      if (!h.refit.own_derivatives && h.ln_evidence > best - worth_settling) leading.push_back(&h);
+    for_each_index(leading.size(), options.threads, [&](std::size_t i) {
+      *leading[i] = assess(refit(model, leading[i]->refit.explanation, whitening));
+    });
   }
 
   // An effect that a refit put to rest at its absence is no hypothesis of its own.

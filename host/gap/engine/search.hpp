@@ -15,9 +15,10 @@
 namespace umov::gap {
 
 struct SearchOptions {
-  std::size_t max_effects = 5;
-  std::size_t beam = 24;    ///< sets kept at each size
-  std::size_t refits = 16;  ///< best sets that are refitted in full
+  std::size_t max_effects = 5;    ///< besides structural ones
+  std::size_t max_structure = 6;  ///< structural ones taken in before the others
+  std::size_t beam = 24;          ///< sets kept at each size
+  std::size_t refits = 12;        ///< best sets that are refitted in full
   double prior_probability =
       0;  ///< of one effect before any data; 0: one effect is expected in all
   int folds = 10;
@@ -43,6 +44,8 @@ struct SearchResult {
   RelativeNoise relative_noise;  ///< as learned
   std::shared_ptr<const Whitening> whitening;  ///< of all hypotheses
   std::vector<int> fold;
+  /// Structural effects taken in before the others that took away most of the misfit of their time.
+  std::vector<std::size_t> structure;
   /// Δχ² that the best single effect would reach by chance in 1 % of measurements of noise alone.
   double null_99 = 0;
   std::size_t base = 0;  ///< place of the base model in `hypotheses`
@@ -51,8 +54,8 @@ struct SearchResult {
 /// ln of the odds of one effect before any data.
 double log_prior_odds(const ForwardModel& model, const SearchOptions& options);
 /// ln of the evidence of an explanation by Laplace's method, without the prior of its effects'
-/// presence.
-double log_evidence(const ForwardModel& model, const Refit& fit);
+/// presence. `inflation`: factor of the noise's variance; the curvature is left as it is.
+double log_evidence(const ForwardModel& model, const Refit& fit, double inflation = 1);
 
 SearchResult search(const ForwardModel& model, const SearchOptions& options);
 

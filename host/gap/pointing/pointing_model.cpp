@@ -204,7 +204,7 @@ PointingModel::PointingModel(const formats::PointingRun& run,
 }
 
 void PointingModel::predict(const Explanation& explanation, Eigen::VectorXd& mean,
-                            Eigen::MatrixXd* jacobian) const {
+                            Eigen::MatrixXd* jacobian, const std::vector<bool>& /*wanted*/) const {
   mean = base_columns_ *
          Eigen::Map<const Eigen::VectorXd>(explanation.base.data(), base_columns_.cols());
   Eigen::Index parameters = base_columns_.cols();

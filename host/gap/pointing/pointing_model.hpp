@@ -27,8 +27,8 @@ class PointingModel : public ForwardModel {
   const Observations& observations() const override { return observations_; }
   const std::vector<Parameter>& base() const override { return base_; }
   const std::vector<Effect>& effects() const override { return effects_; }
-  void predict(const Explanation& explanation, Eigen::VectorXd& mean,
-               Eigen::MatrixXd* jacobian) const override;
+  void predict(const Explanation& explanation, Eigen::VectorXd& mean, Eigen::MatrixXd* jacobian,
+               const std::vector<bool>& wanted = {}) const override;
   NoiseShape noise(const Eigen::VectorXd& mean) const override;
   /// A run states no noise: 1 arc second stands for an unknown one.
   bool noise_is_known() const override { return false; }

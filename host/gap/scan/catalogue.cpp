@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/gap/scan/effect_list.hpp"
+#include "host/gap/scan/effects/free_form.hpp"
 
 namespace umov::gap::scan {
 namespace {
@@ -165,9 +166,9 @@ class Catalogue {
     add(EffectId::gain_ratio_error, "gain_ratio_error", "electronics",
         "The amplifier's ranges are not exact decades: a step where the range changes.",
         "feedback resistor tolerance",
-        {signed_number("error_10", "1", "relative error of range 10", 3e-3, 0.2),
-         signed_number("error_100", "1", "of range 100", 3e-3, 0.2),
-         signed_number("error_1000", "1", "of range 1000", 3e-3, 0.2)},
+        {signed_number("error_10", "1", "relative error of range 10", 0.02, 0.2),
+         signed_number("error_100", "1", "of range 100", 0.02, 0.2),
+         signed_number("error_1000", "1", "of range 1000", 0.02, 0.2)},
         {{{1e-4, 0, 0}, {0, 1e-4, 0}, {0, 0, 1e-4}}});
     add(EffectId::lockin_phase, "lockin_phase", "electronics",
         "Reference and signal are not in phase: quadrature appears and the in-phase part shrinks.",
@@ -243,10 +244,10 @@ class Catalogue {
     over.lo = over.absent = under.lo = under.absent = 0.05;
     add(EffectId::beam_overfill, "beam_overfill", "geometry",
         "At oblique incidence the footprint grows beyond the sample and light is lost.",
-        "projected footprint", {over}, sizes({0.3, 0.36, 0.43, 0.55, 0.8, 1.1}));
+        "projected footprint", {over}, sizes({0.2, 0.25, 0.3, 0.36, 0.43, 0.55, 0.8, 1.1}));
     add(EffectId::detector_underfill, "detector_underfill", "geometry",
         "The footprint grows beyond the detector's field of view.", "projected footprint", {under},
-        sizes({0.3, 0.36, 0.43, 0.55, 0.8, 1.1}));
+        sizes({0.2, 0.25, 0.3, 0.36, 0.43, 0.55, 0.8, 1.1}));
     add(EffectId::retro_occlusion, "retro_occlusion", "geometry",
         "The detector's head stands in the beam: a hole about the way back to the source.",
         "shadow of the detector head",
@@ -351,6 +352,21 @@ class Catalogue {
                "Li and Torrance 2005", std::move(parameters), std::move(probes));
   }
 
+  void free_form(EffectId id, const char* family, const char* physics, std::size_t terms,
+                 double usual) {
+    std::vector<Parameter> parameters;
+    std::vector<Probe> probes;
+    for (std::size_t i = 0; i < terms; ++i) {
+      Parameter p = signed_number("", "1", "coefficient of the series", usual, 20 * usual);
+      p.name = fmt::format("term_{}", i + 1);
+      parameters.push_back(p);
+      Probe probe(terms, 0.0);
+      probe[i] = 1e-3;
+      probes.push_back(probe);
+    }
+    add_family(id, family, physics, "a smooth series", std::move(parameters), {std::move(probes)});
+  }
+
   void reflectance() {
     add_family(EffectId::long_tails, "ggx",
                "Slopes with longer tails than a Gaussian's: part or all of the lobe has "
@@ -373,9 +389,19 @@ class Catalogue {
     spectral_family(EffectId::polarised_diffuse, "polarised-diffuse",
                     "Diffuse light that keeps part of its polarisation.",
                     "few scatterings below the surface", 0.01);
+    free_form(EffectId::free_slopes, "free-slopes", "A density of slopes of any smooth shape.",
+              slope_terms, 0.1);
+    free_form(EffectId::free_lobe, "free-lobe",
+              "A lobe whose height, width and polarisation change with the angle between the "
+              "beams, and its width by wavelength.",
+              lobe_terms + scale_.wavelengths_nm.size(), 0.2);
+    free_form(EffectId::free_diffuse, "free-diffuse",
+              "Diffuse light of any smooth reciprocal shape, partly polarised.", diffuse_terms,
+              0.2);
     for (const EffectId id :
-         {EffectId::long_tails, EffectId::second_roughness, EffectId::forward_lobe,
-          EffectId::volume_diffuse, EffectId::interface_diffuse, EffectId::polarised_diffuse})
+         {EffectId::free_slopes, EffectId::free_lobe, EffectId::free_diffuse, EffectId::long_tails,
+          EffectId::second_roughness, EffectId::forward_lobe, EffectId::volume_diffuse,
+          EffectId::interface_diffuse, EffectId::polarised_diffuse})
       effects_[number(id)].structural = true;
   }
 

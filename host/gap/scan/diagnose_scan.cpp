@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "host/errors/error.hpp"
+#include "host/gap/scan/confined_cells.hpp"
 #include "host/gap/scan/next_scan.hpp"
 
 namespace umov::gap::scan {
@@ -30,15 +31,20 @@ std::vector<std::size_t> numbers_of(const std::vector<std::string>& names,
   return numbers;
 }
 
-/// "P/S Y" as words of the answer.
-void confine(Where& where) {
-  for (Cell& cell : where.cells) {
-    const auto slash = cell.channel.find('/');
-    if (slash == std::string::npos) continue;
-    const auto blank = cell.channel.find(' ');
-    cell.also.emplace_back("polarizer", cell.channel.substr(0, slash));
-    cell.also.emplace_back("analyzer", cell.channel.substr(slash + 1, blank - slash - 1));
-    cell.also.emplace_back("component", blank == std::string::npos ? "x" : "y");
+}  // namespace
+
+namespace {
+
+/// A negative amplitude is a positive one half a turn away: reported so.
+void make_amplitudes_positive(std::vector<Cause>& causes) {
+  for (Cause& cause : causes) {
+    if (cause.effect != "detector_eccentricity" || cause.parameters[0].interval.value >= 0)
+      continue;
+    Interval& amplitude = cause.parameters[0].interval;
+    amplitude = {-amplitude.value, -amplitude.hi, -amplitude.lo};
+    Interval& phase = cause.parameters[1].interval;
+    const double turn = phase.value > 0 ? -180.0 : 180.0;
+    phase = {phase.value + turn, phase.lo + turn, phase.hi + turn};
   }
 }
 
@@ -49,15 +55,27 @@ ScanDiagnosis diagnose_scans(const std::vector<formats::ScanTable>& scans,
   const ScanModel model(scans, options.model);
   DiagnoseOptions engine = options.diagnose;
   engine.search.without = numbers_of(options.without, model.effects());
-  ScanDiagnosis result{
-      diagnose(model, engine), options.model.model, 0, model.used(), model.records().notes, {}};
+  ScanDiagnosis result{diagnose(model, engine),
+                       model.reflectance(),
+                       0,
+                       model.used(),
+                       model.records().notes,
+                       {},
+                       {},
+                       {}};
+  result.limits = model.limits();
+  make_amplitudes_positive(result.answer.causes);
   result.answer.next_scan = further_scans(model, result.answer);
   if (!result.answer.next_scan.empty())
     result.next_plan = plan_of(result.answer.next_scan.front(), model,
                                scans.front().key("sample").value_or("sample"));
   for (const formats::ScanTable& scan : scans) result.records += scan.size();
-  confine(result.answer.where);
-  confine(result.answer.unexplained);
+  if (options.picture)
+    result.picture = std::make_shared<const Picture>(
+        picture_of(model, result.answer, engine.search.threads, engine.search.seed + 5));
+  const Diagnosis& answer = result.answer;
+  confine(result.answer.where, model, answer.search.hypotheses[answer.search.base].refit);
+  confine(result.answer.unexplained, model, best_refit(answer));
   return result;
 }
 

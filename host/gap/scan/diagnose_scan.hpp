@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "host/formats/scan_table.hpp"
 #include "host/gap/engine/diagnosis.hpp"
+#include "host/gap/scan/picture.hpp"
 #include "host/gap/scan/scan_model.hpp"
 
 namespace umov::gap::scan {
@@ -16,6 +18,7 @@ struct ScanDiagnoseOptions {
   DiagnoseOptions diagnose;
   /// Effects that the diagnosis must do without, by name.
   std::vector<std::string> without;
+  bool picture = false;  ///< also what a page shows: ScanDiagnosis::picture
 };
 
 struct ScanDiagnosis {
@@ -23,8 +26,10 @@ struct ScanDiagnosis {
   std::string model;  ///< the base's
   std::size_t records = 0, used = 0;
   std::vector<std::string> notes;
+  std::vector<Tolerance> limits;  ///< sizes of effects that are in order (ScanModel::limits)
   /// The first of answer.next_scan as a plan for `umov scan`; empty where there is none.
   std::string next_plan;
+  std::shared_ptr<const Picture> picture;  ///< null unless asked for
 };
 
 /// Diagnoses scans of one sample together. Throws umov::Error where the records cannot carry a

@@ -51,6 +51,9 @@ enum class EffectId : std::size_t {
   volume_diffuse,
   interface_diffuse,
   polarised_diffuse,
+  free_slopes,
+  free_lobe,
+  free_diffuse,
   count
 };
 

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "host/calibrate/calibration.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/decimal.hpp"
+#include "host/gap/scan/knowledge.hpp"
 #include "host/optics/angles.hpp"
 
 namespace umov::gap::scan {
@@ -105,25 +107,38 @@ void append(const formats::ScanTable& scan, ScanRecords& out) {
 
 }  // namespace
 
-ScanRecords prepare_records(const std::vector<formats::ScanTable>& scans) {
+ScanRecords prepare_records(const std::vector<formats::ScanTable>& scans,
+                            const calibrate::Calibration* calibration) {
   if (scans.empty()) throw Error("no scan is given", "name a scan.h5 or a Scan CSV");
   ScanRecords out;
   out.wavelengths_nm = calibrate::wavelengths_of(scans.front());
   const formats::ScanTable& head = scans.front();
-  out.solid_angle_sr = head.number("solid_angle_sr").value_or(0);
+  out.solid_angle_sr = head.number("solid_angle_sr")
+                           .value_or(calibration == nullptr ? 0.0 : calibration->solid_angle_sr);
   if (!(out.solid_angle_sr > 0))
     throw Error("the scan does not state its aperture", "add the key `# solid_angle_sr: …`");
   for (const double nm : out.wavelengths_nm) {
     const std::string key = fmt::format("gain_constant_{:g}", nm);
-    const auto constant = head.number(key);
+    const auto constant = calibration == nullptr
+                              ? head.number(key)
+                              : std::optional(calibration->at(nm).gain_constant_v);
     if (!constant || !(*constant > 0))
-      throw Error(fmt::format("the scan does not state the instrument's gain at {:g} nm", nm),
-                  fmt::format("add the key `# {}: …` (volts), or calibrate", key));
+      throw Error(
+          fmt::format("the scan does not state the instrument's gain at {:g} nm", nm),
+          fmt::format("add the key `# {}: …` (volts), or name a calibration (--calibration)", key));
     out.gain_constant_v.push_back(*constant);
   }
-  out.gain_constant_relative_u = head.number("gain_constant_relative_u").value_or(0.01);
+  out.gain_constant_relative_u.assign(out.wavelengths_nm.size(),
+                                      head.number("gain_constant_relative_u").value_or(0.01));
   out.adc_full_scale_v = head.number("adc_full_scale_v").value_or(0);
+  const auto sample = [](const formats::ScanTable& scan) {
+    return scan.key("sample").value_or("");
+  };
   for (const formats::ScanTable& scan : scans) {
+    if (sample(scan) != sample(head) && !sample(scan).empty() && !sample(head).empty())
+      throw Error(fmt::format("the scans are of different samples: \"{}\" and \"{}\"", sample(head),
+                              sample(scan)),
+                  "diagnose each by itself; only scans of one sample go together");
     for (const double nm : calibrate::wavelengths_of(scan))
       if (index_of_wavelength(out.wavelengths_nm, nm) == out.wavelengths_nm.size())
         throw Error(fmt::format("a further scan has {:g} nm, which the first has not", nm),
@@ -133,7 +148,27 @@ ScanRecords prepare_records(const std::vector<formats::ScanTable>& scans) {
     out.records.reserve(total);
     append(scan, out);
   }
+  if (calibration != nullptr) correct_records(*calibration, out);
   return out;
+}
+
+void thin(ScanRecords& records, std::size_t most) {
+  const std::size_t all = records.records.size();
+  if (most == 0 || all <= most) return;
+  const std::size_t every = (all + most - 1) / most;
+  std::vector<Record> kept;
+  std::size_t place = 0;
+  int row = -1;
+  for (const Record& r : records.records) {
+    place = r.row == row ? place + 1 : 0;
+    row = r.row;
+    // Rows begin at different places, so that together they see every angle.
+    if ((place + static_cast<std::size_t>(row)) % every == 0) kept.push_back(r);
+  }
+  records.records = std::move(kept);
+  records.notes.push_back(
+      fmt::format("thinned to {} of {} records for a quick answer: small effects may be missed",
+                  records.records.size(), all));
 }
 
 }  // namespace umov::gap::scan

@@ -7,6 +7,10 @@
 
 #include "host/formats/scan_table.hpp"
 
+namespace umov::calibrate {
+struct Calibration;
+}
+
 namespace umov::gap::scan {
 
 struct Record {
@@ -29,11 +33,14 @@ struct Record {
   int row;  ///< line of detector angles it belongs to
 };
 
+/// As many as the chain carries at a time.
+inline constexpr std::size_t most_wavelengths = 8;
+
 struct ScanRecords {
   std::vector<Record> records;
   std::vector<double> wavelengths_nm;  ///< ascending
   std::vector<double> gain_constant_v;
-  double gain_constant_relative_u = 0.01;
+  std::vector<double> gain_constant_relative_u;  ///< by wavelength
   double solid_angle_sr = 1e-4;
   double adc_full_scale_v = 0;     ///< 0 = unknown
   std::vector<std::string> notes;  ///< records that cannot be used, and why
@@ -41,7 +48,12 @@ struct ScanRecords {
 
 /// Joins scans of one sample (a prescribed further scan goes behind the first). Rows taken with
 /// something that the chain does not know (another sample) are left out with a note. Throws
-/// umov::Error where keys are missing or scans contradict each other.
-ScanRecords prepare_records(const std::vector<formats::ScanTable>& scans);
+/// umov::Error where keys are missing or scans contradict each other. With a calibration, the keys
+/// of the gain constants may be missing, and the records are corrected by what it knows.
+ScanRecords prepare_records(const std::vector<formats::ScanTable>& scans,
+                            const calibrate::Calibration* calibration = nullptr);
+
+/// Keeps at most about `most` records, evenly along every row (0: all), with a note.
+void thin(ScanRecords& records, std::size_t most);
 
 }  // namespace umov::gap::scan

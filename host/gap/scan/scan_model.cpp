@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
 
 #include <ceres/jet.h>
 #include <fmt/format.h>
@@ -13,6 +12,7 @@
 #include "host/errors/error.hpp"
 #include "host/formats/fit_file.hpp"
 #include "host/gap/scan/chain.hpp"
+#include "host/gap/scan/substance.hpp"
 #include "host/invert/invert.hpp"
 #include "host/optics/angles.hpp"
 
@@ -22,8 +22,6 @@ namespace {
 /// Derivatives carried by one pass of the chain.
 constexpr int lanes = 8;
 using Dual = ceres::Jet<double, lanes>;
-
-constexpr std::size_t most_wavelengths = 8;
 
 /// Smallest κ²: the derivative of κ itself is infinite at zero.
 constexpr double least_kappa2 = 1e-10;
@@ -37,8 +35,11 @@ double median(std::vector<double> values) {
 
 /// The base model fitted to the reduced scan: where the diagnosis starts.
 formats::FitResult starting_fit(const std::vector<formats::ScanTable>& scans,
-                                const std::string& model) {
-  const calibrate::Calibration calibration = calibrate::calibration_from_header(scans.front());
+                                const std::string& model, const Knowledge& knowledge) {
+  if (knowledge.fit) return fit_at(*knowledge.fit, calibrate::wavelengths_of(scans.front()));
+  const calibrate::Calibration calibration =
+      knowledge.calibration ? *knowledge.calibration
+                            : calibrate::calibration_from_header(scans.front());
   calibrate::ReduceOptions reduce_options;
   reduce_options.dolp = reduce_options.dhr = false;
   const calibrate::Reduction reduction =
@@ -51,76 +52,21 @@ formats::FitResult starting_fit(const std::vector<formats::ScanTable>& scans,
   return invert::invert(reduction.table, options);
 }
 
-/// Refuses what no diagnosis can be made of, before fits make something of it.
-void require_substance(const ScanRecords& all) {
-  if (all.wavelengths_nm.size() > most_wavelengths)
-    throw Error(fmt::format("{} wavelengths are more than a diagnosis takes at a time",
-                            all.wavelengths_nm.size()),
-                fmt::format("choose up to {} of them", most_wavelengths));
-  std::size_t open = 0, saturated = 0;
-  std::vector<double> least(all.wavelengths_nm.size(), 1e300), most(least.size(), -1e300);
-  double mirror = 0, retro = 0;
-  int mirror_count = 0, retro_count = 0;
-  std::set<double> angles;
-  for (const Record& r : all.records) {
-    if (!r.shutter_open || r.sample_removed || r.long_pass) continue;
-    ++open;
-    if (r.saturated) {
-      ++saturated;
-      continue;
-    }
-    angles.insert(r.theta_r);
-    const double level = r.x_v / (r.monitor_v * all.gain_constant_v[r.wavelength]);
-    least[r.wavelength] = std::min(least[r.wavelength], level);
-    most[r.wavelength] = std::max(most[r.wavelength], level);
-    const double near = optics::radians(5.0);
-    if (r.theta_i < optics::radians(20.0) || r.phi_r != 0) continue;
-    if (std::abs(r.theta_r - r.theta_i) < near) {
-      mirror += level;
-      ++mirror_count;
-    }
-    if (std::abs(r.theta_r + r.theta_i) < near) {
-      retro += level;
-      ++retro_count;
-    }
-  }
-  if (open > 0 && saturated * 2 > open)
-    throw Error(fmt::format("{} of {} records are saturated: what is left is the measurement's own "
-                            "choice of dim angles",
-                            saturated, open),
-                "measure again with less light or a smaller amplifier range");
-  for (std::size_t w = 0; w < least.size(); ++w)
-    if (least[w] <= most[w] && !(most[w] - least[w] > 1e-6 * std::abs(most[w])))
-      throw Error(fmt::format("the signal at {:g} nm is the same in all records: nothing can be "
-                              "diagnosed from it",
-                              all.wavelengths_nm[w]),
-                  "check that the lock-in was read at each angle");
-  if (angles.size() < 5)
-    throw Error(fmt::format("{} detector angles are too few for a diagnosis", angles.size()),
-                "measure lobes and what lies between them: twenty angles or more");
-  if (mirror_count > 0 && retro_count > 0 && retro / retro_count > 3 * mirror / mirror_count)
-    throw Error(
-        "the sample is three times brighter on the way back to the source than in the mirror "
-        "direction, as if theta_r had the wrong sign",
-        "theta_r_deg is positive on the mirror side of the normal: turn the column's sign");
-}
-
 }  // namespace
 
 ScanModel::~ScanModel() = default;
 
 ScanModel::ScanModel(const std::vector<formats::ScanTable>& scans, const ScanModelOptions& options)
-    : records_(prepare_records(scans)), model_(brdf::Model::by_name(options.model)) {
+    : records_(prepare_records(scans, options.knowledge.calibration.get())),
+      model_(brdf::Model::by_name(options.knowledge.fit ? options.knowledge.fit->model
+                                                        : options.model)) {
   require_substance(records_);
-  if (records_.wavelengths_nm.size() == 1)
-    records_.notes.push_back(
-        "one wavelength only: what is told by its spectrum (dust, water, crosstalk, fluorescence) "
-        "cannot be told from what is not");
+  thin(records_, options.most_records);
   for (const formats::ScanTable& scan : scans) noise_.push_back(calibrate::fit_noise(scan));
   for (const brdf::Component& part : model_.components())
     if (lobe_ < 0 && part.kind == brdf::Kind::microfacet) lobe_ = static_cast<int>(part.first);
 
-  const formats::FitResult fit = starting_fit(scans, options.model);
+  const formats::FitResult fit = starting_fit(scans, options.model, options.knowledge);
   const std::size_t wavelengths = records_.wavelengths_nm.size();
   for (std::size_t w = 0; w < wavelengths; ++w) {
     Parameter p{fmt::format("log_gain_{:g}", records_.wavelengths_nm[w]),
@@ -129,17 +75,23 @@ ScanModel::ScanModel(const std::vector<formats::ScanTable>& scans, const ScanMod
                 0.0,
                 -0.5,
                 0.5,
-                records_.gain_constant_relative_u};
+                records_.gain_constant_relative_u[w]};
     base_.push_back(std::move(p));
     squared_.push_back(false);
   }
   source_.assign(wavelengths, std::vector<int>(model_.parameters().size(), -1));
   for (std::size_t i = 0; i < model_.parameters().size(); ++i) {
     const brdf::Parameter& declared = model_.parameters()[i];
-    held_.push_back(declared.initial);
+    const formats::FitParameter* fitted = fit.find(declared.name);
+    const auto value_at = [&](std::size_t w) {
+      return fitted == nullptr ? declared.initial : fitted->at(w).value;
+    };
+    held_.push_back(value_at(0));
     // A lobe's weight is held in fits of one paint's BRDF; here what it says is not beyond doubt.
     const bool weight = declared.name == "bias" || declared.name.ends_with(".bias");
-    if (declared.held && !weight) continue;
+    // What a given fit left free is free here too.
+    const bool free_in_fit = options.knowledge.fit && fitted != nullptr && !fitted->fixed;
+    if (declared.held && !weight && !free_in_fit) continue;
     const bool squared = declared.name.ends_with("kappa");
     const auto add = [&](const std::string& name, double value) {
       Parameter p{name, declared.unit, declared.meaning, value, declared.min, declared.max};
@@ -148,15 +100,11 @@ ScanModel::ScanModel(const std::vector<formats::ScanTable>& scans, const ScanMod
         p.lo = least_kappa2;
         p.hi = declared.max * declared.max;
         // κ² of 1e-10 cannot be told from none, and has no way back: begin where it shows.
-        p.absent = std::max(value * value, 1e-4);
+        p.absent = std::max(value * value, options.knowledge.hold_fit ? least_kappa2 : 1e-4);
       }
       base_.push_back(std::move(p));
       squared_.push_back(squared);
       return static_cast<int>(base_.size()) - 1;
-    };
-    const formats::FitParameter* fitted = fit.find(declared.name);
-    const auto value_at = [&](std::size_t w) {
-      return fitted == nullptr ? declared.initial : fitted->at(w).value;
     };
     // Refractive indices disperse; what is one number in a fit of smooth paint is not here, where
     // a lobe is seen to a thousandth.
@@ -170,7 +118,18 @@ ScanModel::ScanModel(const std::vector<formats::ScanTable>& scans, const ScanMod
     }
   }
 
+  if (options.knowledge.hold_fit)
+    for (std::size_t i = wavelengths; i < base_.size(); ++i)
+      base_[i].lo = base_[i].hi = base_[i].absent;
+
   make_catalogue();
+  limits_ = options.knowledge.tolerances;
+  if (options.knowledge.calibration)
+    known_ = know_effects(*options.knowledge.calibration, records_, effects_, limits_);
+  apply_tolerances(options.knowledge.tolerances, effects_);
+  known_bends_ = std::any_of(known_.begin(), known_.end(), [](const KnownEffect& k) {
+    return changes_geometry(static_cast<EffectId>(k.effect));
+  });
   make_observations();
 }
 
@@ -179,6 +138,16 @@ ScanModel ScanModel::with_records(std::vector<Record> records) const {
   other.records_.records = std::move(records);
   other.make_observations();
   return other;
+}
+
+std::unique_ptr<ForwardModel> ScanModel::thinned(std::size_t most) const {
+  const std::size_t step = (2 * used_.size() + most - 1) / most;
+  if (step < 2) return nullptr;
+  // One of so many, at a place that moves along: no channel or angle is left out for good.
+  std::vector<Record> some;
+  for (std::size_t k = 0; k < used_.size(); ++k)
+    if (k % step == (k / step) % step) some.push_back(records_.records[used_[k]]);
+  return std::make_unique<ScanModel>(with_records(std::move(some)));
 }
 
 void ScanModel::make_catalogue() {
@@ -287,6 +256,10 @@ void ScanModel::evaluate(const Explanation& explanation, const std::vector<T>& v
   for (std::size_t w = 0; w < wavelengths; ++w)
     materials[w] = {&model_, std::span<const T>(own).subspan(w * parameters, parameters),
                     records_.wavelengths_nm[w] * 1e-3, w, lobe_};
+  thread_local std::vector<T> known_values;
+  thread_local std::vector<A> known_angles;
+  add_known(known_, effects_, r.wavelength, on, known_values);
+  add_known(known_, effects_, r.wavelength, bending, known_angles);
   const ChainBase<T> base{std::span<const Material<T>>(materials).first(wavelengths),
                           std::span<const T>(values).first(wavelengths), records_.gain_constant_v,
                           records_.solid_angle_sr};
@@ -296,18 +269,21 @@ void ScanModel::evaluate(const Explanation& explanation, const std::vector<T>& v
 }
 
 void ScanModel::predict(const Explanation& explanation, Eigen::VectorXd& mean,
-                        Eigen::MatrixXd* jacobian) const {
+                        Eigen::MatrixXd* jacobian, const std::vector<bool>& wanted) const {
   const auto n = static_cast<Eigen::Index>(used_.size());
   std::vector<double> values = explanation.base;
-  std::vector<bool> fitted(values.size(), true);
-  bool bent = false;
+  std::vector<bool> fitted(values.size(), true), turns(values.size(), false);
+  bool bent = known_bends_;
   for (std::size_t k = 0; k < explanation.effects.size(); ++k) {
-    bent = bent || changes_geometry(static_cast<EffectId>(explanation.effects[k]));
+    const auto id = static_cast<EffectId>(explanation.effects[k]);
+    const bool turning = moves_pose(id);
+    bent = bent || changes_geometry(id);
     // A rotated polariser needs the pose, not bent directions.
     const auto& declared = effects_[explanation.effects[k]].parameters;
     for (std::size_t i = 0; i < declared.size(); ++i) {
       values.push_back(explanation.alpha[k][i]);
       fitted.push_back(!declared[i].choice);
+      turns.push_back(turning);
     }
   }
   mean.resize(2 * n);
@@ -323,27 +299,37 @@ void ScanModel::predict(const Explanation& explanation, Eigen::VectorXd& mean,
   for (const std::size_t e : explanation.effects)
     mixes =
         mixes || e == number(EffectId::laser_crosstalk) || e == number(EffectId::wavelength_error);
-  // Parameters that a record of each wavelength depends on; the effects' own come last, for they
-  // may turn angles, which the base's never do.
+  const auto is_free = [this](int i) {
+    const Parameter& p = base_[static_cast<std::size_t>(i)];
+    return p.lo < p.hi;
+  };
+  // Parameters that a record of each wavelength depends on; those that turn angles come last: only
+  // they need angles with derivatives.
   std::vector<std::vector<std::size_t>> active(wavelengths);
+  std::vector<std::size_t> own_of(wavelengths);
   for (std::size_t w = 0; w < wavelengths; ++w) {
     std::vector<bool> there(values.size(), false);
     there[w] = true;
     for (std::size_t v = 0; v < wavelengths; ++v)
       if (mixes || v == w)
         for (const int from : source_[v])
-          if (from >= 0) there[static_cast<std::size_t>(from)] = true;
+          if (from >= 0) there[static_cast<std::size_t>(from)] = is_free(from);
     for (std::size_t i = base_.size(); i < values.size(); ++i) there[i] = fitted[i];
     for (std::size_t i = 0; i < values.size(); ++i)
-      if (there[i]) active[w].push_back(i);
+      if (there[i] && (wanted.empty() || wanted[i])) active[w].push_back(i);
+    const auto first_turning = std::stable_partition(active[w].begin(), active[w].end(),
+                                                     [&](std::size_t i) { return !turns[i]; });
+    own_of[w] = static_cast<std::size_t>(first_turning - active[w].begin());
   }
   std::vector<Dual> dual(values.size());
-  const auto turning = static_cast<std::size_t>(
-      std::count(fitted.begin() + static_cast<std::ptrdiff_t>(base_.size()), fitted.end(), true));
   for (Eigen::Index i = 0; i < n; ++i) {
     const std::size_t record = used_[static_cast<std::size_t>(i)];
     const auto& list = active[records_.records[record].wavelength];
-    const std::size_t own = list.size() - turning;
+    const std::size_t own = own_of[records_.records[record].wavelength];
+    if (list.empty()) {
+      evaluate(explanation, values, values, record, mean[i], mean[n + i], bent);
+      continue;
+    }
     for (std::size_t first = 0; first < list.size();) {
       const std::size_t last = std::min(first < own ? own : list.size(), first + lanes);
       for (std::size_t k = 0; k < values.size(); ++k) dual[k] = Dual(values[k]);
@@ -373,7 +359,9 @@ std::vector<std::vector<double>> ScanModel::further_starts() const {
   std::vector<std::vector<double>> starts;
   if (lobe_ < 0) return starts;
   const auto slope = source_[0][static_cast<std::size_t>(lobe_) + 2];
-  if (slope < 0) return starts;
+  if (slope < 0 ||
+      base_[static_cast<std::size_t>(slope)].lo >= base_[static_cast<std::size_t>(slope)].hi)
+    return starts;
   for (const double rms : {0.06, 0.2, 0.45}) {
     std::vector<double> start;
     for (const Parameter& p : base_) start.push_back(p.absent);

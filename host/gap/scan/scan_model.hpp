@@ -11,12 +11,16 @@
 #include "host/calibrate/noise.hpp"
 #include "host/formats/scan_table.hpp"
 #include "host/gap/engine/forward_model.hpp"
+#include "host/gap/scan/knowledge.hpp"
 #include "host/gap/scan/record.hpp"
 
 namespace umov::gap::scan {
 
 struct ScanModelOptions {
   std::string model = "microfacet+nef";
+  /// More records than this are thinned, evenly along every row; 0: none are.
+  std::size_t most_records = 0;
+  Knowledge knowledge;  ///< its fit, where there is one, names the model
 };
 
 class ScanModel : public ForwardModel {
@@ -30,11 +34,16 @@ class ScanModel : public ForwardModel {
   const std::vector<Parameter>& base() const override { return base_; }
   const std::vector<Effect>& effects() const override { return effects_; }
   std::vector<std::vector<double>> further_starts() const override;
-  void predict(const Explanation& explanation, Eigen::VectorXd& mean,
-               Eigen::MatrixXd* jacobian) const override;
+  void predict(const Explanation& explanation, Eigen::VectorXd& mean, Eigen::MatrixXd* jacobian,
+               const std::vector<bool>& wanted = {}) const override;
   NoiseShape noise(const Eigen::VectorXd& mean) const override;
+  std::unique_ptr<ForwardModel> thinned(std::size_t most) const override;
 
   const ScanRecords& records() const { return records_; }
+  /// Sizes of effects that are in order: declared tolerances, then the calibration's uncertainties.
+  const std::vector<Tolerance>& limits() const { return limits_; }
+  /// Name of the reflectance model.
+  std::string reflectance() const { return model_.name(); }
   /// The same model looking at other records, of a measurement that could be made. Their values are
   /// not looked at.
   ScanModel with_records(std::vector<Record> records) const;
@@ -57,6 +66,9 @@ class ScanModel : public ForwardModel {
   Observations observations_;
   std::vector<Parameter> base_;
   std::vector<Effect> effects_;
+  std::vector<KnownEffect> known_;
+  std::vector<Tolerance> limits_;
+  bool known_bends_ = false;  ///< some of these move angles
   /// For every wavelength: number of the base parameter behind each model parameter; -1 = held.
   std::vector<std::vector<int>> source_;
   std::vector<double> held_;

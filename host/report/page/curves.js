@@ -1,14 +1,6 @@
 // BRDF and DOLP in the plane of incidence: one panel an incidence angle (or a polarisation state),
 // one colour and marker a wavelength, points with 95 % bars, the model as a line.
 
-const ANGLE_AXIS = "θ<sub>r</sub> / °  (− retro, + forward)";
-
-function extent(values, keep) {
-  let low = Infinity, high = -Infinity;
-  for (const v of values) if (keep(v)) { if (v < low) low = v; if (v > high) high = v; }
-  return [low, high];
-}
-
 // Traces of one panel; `curves` are those that belong in it.
 function panelTraces(sample, curves, i, seen, options) {
   const traces = [];

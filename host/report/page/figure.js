@@ -192,6 +192,14 @@ function pairOf(width, margin, firstHeight) {
       aspect: inner / (firstHeight || inner) };
 }
 
+const ANGLE_AXIS = "θ<sub>r</sub> / °  (− retro, + forward)";
+
+function extent(values, keep) {
+  let low = Infinity, high = -Infinity;
+  for (const v of values) if (keep(v)) { if (v < low) low = v; if (v > high) high = v; }
+  return [low, high];
+}
+
 function axisKey(letter, i) { return `${letter}axis${i === 0 ? "" : i + 1}`; }
 function axisName(letter, i) { return `${letter}${i === 0 ? "" : i + 1}`; }
 

@@ -133,6 +133,16 @@ TEST(Noise, RepeatsShowSlowScatterThatBlocksDoNotSee) {
   EXPECT_NEAR(std::sqrt(model.variance_normalised(532, 10, s)) / s, 0.004, 0.0006);
 }
 
+TEST(Noise, RepeatsOfSignalsFarAboveTheFloorKeepTheirRelativeNoise) {
+  Instrument instrument;
+  instrument.base_v = instrument.adc_v = instrument.shot_v = 0;
+  instrument.relative = 0.0035;
+  Plan plan;
+  plan.repeats = 2;
+  const NoiseModel model = fit_noise(make_scan(instrument, lambertian(0.9), plan, 2));
+  EXPECT_NEAR(std::sqrt(model.variance_normalised(532, 10, 0.018)) / 0.018, 0.0035, 0.001);
+}
+
 TEST(Noise, SourceFluctuationThatTheMonitorCancelsIsNotCountedWhereRepeatsTellSo) {
   Instrument instrument;
   instrument.source_relative = 0.01;

@@ -64,7 +64,7 @@ TEST(Pointing, AWithheldTiltAndFlexureAreNamedWithTheirSizes) {
   EXPECT_EQ(d.verdict, Verdict::explained);
   ASSERT_THAT(d.causes, SizeIs(2));
   EXPECT_GT(d.closed_fraction.value, 0.95);
-  EXPECT_NEAR(d.causes[0].share + d.causes[1].share, 1, 1e-9);
+  EXPECT_NEAR(d.causes[0].share + d.causes[1].share, 1, 1e-6);
   for (const Cause& cause : d.causes) {
     EXPECT_GT(cause.probability, 0.95);
     const bool tilt = cause.effect == "azimuth_axis_tilt";

@@ -24,6 +24,7 @@ const std::map<std::string, std::set<std::string>> allowed = {
     {"boards/native", {"protocol", "firmware"}},
     {"host/errors", {}},
     {"host/parallel", {}},
+    {"host/parallel/ranks", {"host/errors"}},
     {"host/toml", {"host/errors"}},
     {"host/optics", {"host/errors"}},
     {"host/brdf", {"host/errors", "host/optics"}},
@@ -39,10 +40,15 @@ const std::map<std::string, std::set<std::string>> allowed = {
     {"host/gap/answer", {"host/errors", "host/gap/engine"}},
     {"host/gap/pointing", {"host/errors", "host/formats", "host/gap/engine"}},
     {"host/gap/scan",
-     {"host/errors", "host/optics", "host/brdf", "host/formats", "host/calibrate", "host/invert",
-      "host/gap/engine"}},
+     {"host/errors", "host/parallel", "host/toml", "host/optics", "host/brdf", "host/formats",
+      "host/calibrate", "host/invert", "host/gap/engine"}},
+    // Diagnoses cases and scores answers; how cases are made it cannot know.
+    {"host/gap/benchmark",
+     {"host/errors", "host/formats", "host/gap/engine", "host/gap/scan", "host/gap/answer"}},
+    // A page shows what files say and what a diagnosis found; it diagnoses nothing itself.
     {"host/report",
-     {"host/errors", "host/optics", "host/brdf", "host/formats", "host/calibrate", "host/invert"}},
+     {"host/errors", "host/optics", "host/brdf", "host/formats", "host/calibrate", "host/invert",
+      "host/gap/engine", "host/gap/scan", "host/gap/answer"}},
     // The plant's world: of the host plain optics (and errors and TOML) only, so that a diagnosis
     // is never tested on its own model run forwards.
     {"hil/plant", {"host/optics", "host/errors", "host/toml"}},
@@ -54,12 +60,13 @@ const std::map<std::string, std::set<std::string>> allowed = {
       "protocol"}},
     {"host/cli/study",
      {"host/errors", "host/parallel", "host/optics", "host/brdf", "host/formats", "host/instrument",
-      "host/scan", "host/calibrate", "host/invert", "host/report", "host/cli/emulator",
-      "protocol"}},
+      "host/scan", "host/calibrate", "host/invert", "host/gap/engine", "host/gap/scan",
+      "host/gap/pointing", "host/report", "host/cli/emulator", "protocol"}},
     {"host/cli",
      {"host/errors", "host/optics", "host/brdf", "host/formats", "host/instrument", "host/scan",
       "hil/plant", "hil/blind", "host/calibrate", "host/invert", "host/gap/engine", "host/gap/scan",
-      "host/gap/answer", "host/report", "host/cli/emulator", "host/cli/study", "protocol"}},
+      "host/gap/answer", "host/gap/benchmark", "host/parallel/ranks", "host/report",
+      "host/cli/emulator", "host/cli/study", "protocol"}},
 };
 
 // What freestanding code may take from the standard library.

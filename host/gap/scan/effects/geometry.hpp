@@ -32,6 +32,12 @@ inline bool changes_geometry(EffectId id) {
   }
 }
 
+/// True where derivatives to the effect's parameters need a pose that carries them.
+inline bool moves_pose(EffectId id) {
+  return changes_geometry(id) || id == EffectId::polarizer_rotation ||
+         id == EffectId::analyzer_rotation;
+}
+
 template <class T>
 Pose<T> true_pose(const Record& r, const Switched<T>& on) {
   const double radian = optics::radians(1.0);

@@ -7,40 +7,14 @@
 #include <numbers>
 #include <span>
 
-#include "host/brdf/evaluate.hpp"
 #include "host/brdf/li_torrance.hpp"
-#include "host/gap/scan/effect_list.hpp"
 #include "host/gap/scan/effects/footprint.hpp"
+#include "host/gap/scan/effects/free_form.hpp"
+#include "host/gap/scan/effects/material.hpp"
 
 namespace umov::gap::scan {
 
-/// The base model with its parameters at one wavelength. `lobe` is the place of n, κ, slope_rms and
-/// bias of its first facet lobe in them, -1 where it has none.
-template <class T>
-struct Material {
-  const brdf::Model* model;
-  std::span<const T> parameters;
-  double wavelength_um;
-  std::size_t wavelength;  ///< number
-  int lobe;
-};
-
 inline constexpr double water_index = 1.333;
-
-/// Polarised facets with a density of slopes `density` (per P8, cos^-4 included).
-template <class T, class A>
-void add_facets(optics::Mueller<T>& sum, const T& n, const T& kappa, const T& density,
-                const brdf::FacetFrame<A>& f) {
-  const T scale = density * (0.25 / (f.cos_i * f.cos_r));
-  brdf::add_facet(sum, brdf::scaled_reflection(brdf::facet_reflection(n, kappa, f.cos_d), scale),
-                  f);
-}
-
-template <class T, class A>
-T gaussian_lobe(const T& slope_rms, const brdf::FacetFrame<A>& f) {
-  return brdf::slope_density(brdf::Slopes::gaussian, slope_rms, f) *
-         brdf::shadowing_factor(brdf::Shadowing::smith, slope_rms, std::span<const T>{}, f);
-}
 
 /// Henyey and Greenstein's phase function, normalised to 4π over the sphere.
 template <class T, class A>
@@ -56,18 +30,6 @@ T water_transmittance(const A& cosine) {
   return T(optics::transmittance(A(water_index), A(0.0), cosine));
 }
 
-/// Depolarised light of the base at this geometry: what its facets do not explain. Its facets
-/// polarise, so the part of m00 that the base's diffuse terms give is found by leaving them out.
-template <class T, class A>
-T diffuse_part(const Material<T>& material, const brdf::FacetFrame<A>& f,
-               const optics::Mueller<T>& all) {
-  if (material.lobe < 0) return all[0][0];
-  optics::Mueller<T> lobe(T(0.0));
-  const auto* p = &material.parameters[static_cast<std::size_t>(material.lobe)];
-  add_facets(lobe, p[0], p[1], T(p[3] * gaussian_lobe(p[2], f)), f);
-  return all[0][0] - lobe[0][0];
-}
-
 /// Mueller BRDF of the sample as it is.
 template <class T, class A>
 optics::Mueller<T> sample_mueller(const Material<T>& material, const brdf::Geometry<A>& geometry,
@@ -78,6 +40,7 @@ optics::Mueller<T> sample_mueller(const Material<T>& material, const brdf::Geome
       brdf::evaluate(*material.model, material.parameters, material.wavelength_um, geometry);
   const brdf::FacetFrame<A> f = brdf::facet_frame(geometry);
   if (!(optics::value_of(f.cos_i) > 0.0) || !(optics::value_of(f.cos_r) > 0.0)) return m;
+  add_free_forms(m, material, f, on);
   // cos of the angle to the way back to the source, from |k_r - k_i|² = 4 cos²θd.
   const A cos_retro = 2.0 * f.cos_d * f.cos_d - 1.0;
 

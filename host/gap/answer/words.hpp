@@ -1,0 +1,20 @@
+// A diagnosis in words, the same on the terminal and on a page.
+#pragma once
+
+#include <string>
+
+#include "host/gap/engine/diagnosis.hpp"
+
+namespace umov::gap {
+
+/// One sentence of verdict.
+std::string verdict_sentence(const Diagnosis& diagnosis);
+
+/// An effect as people say it: "laser drift".
+std::string plain_name(const std::string& effect);
+
+/// What is done for a further scan of the menu: "with the sample turned by 180° about its normal".
+/// The identifier itself where it is not on the menu.
+std::string menu_in_words(const std::string& menu);
+
+}  // namespace umov::gap

@@ -1,0 +1,128 @@
+#include "host/gap/scan/picture.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "host/parallel/for_each_index.hpp"
+
+namespace umov::gap::scan {
+namespace {
+
+constexpr double two_sided_95 = 1.959964;
+constexpr int bootstrap_draws = 1000;
+
+Signals signals_of(const Eigen::VectorXd& both) {
+  const Eigen::Index n = both.size() / 2;
+  return {{both.data(), both.data() + n}, {both.data() + n, both.data() + 2 * n}};
+}
+
+/// Values of one effect of a fit with their 95 % intervals.
+std::vector<NamedValue> values_of(const ScanModel& model, const Refit& fit, std::size_t effect) {
+  const auto& free = fit.free;
+  const Eigen::MatrixXd precision = fit.precision(free, free);
+  const Eigen::VectorXd scale = precision.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd scaled = scale.asDiagonal() * precision * scale.asDiagonal();
+  scaled.diagonal().array() += 1e-10;
+  const Eigen::LDLT<Eigen::MatrixXd> factor(scaled);
+  std::vector<NamedValue> values;
+  auto column = static_cast<Eigen::Index>(fit.explanation.base.size());
+  for (std::size_t k = 0; k < fit.explanation.effects.size(); ++k) {
+    const auto& declared = model.effects()[fit.explanation.effects[k]].parameters;
+    for (std::size_t i = 0; i < declared.size(); ++i, ++column) {
+      if (fit.explanation.effects[k] != effect) continue;
+      const auto at = std::find(free.begin(), free.end(), column);
+      double error = 0;
+      if (at != free.end()) {
+        const auto own = static_cast<Eigen::Index>(at - free.begin());
+        const Eigen::VectorXd unit = Eigen::VectorXd::Unit(scaled.rows(), own);
+        error = scale[own] * std::sqrt(std::max(0.0, factor.solve(unit)[own]));
+      }
+      const double value = fit.explanation.alpha[k][i];
+      values.push_back({declared[i].name,
+                        declared[i].unit,
+                        {value, std::max(declared[i].lo, value - two_sided_95 * error),
+                         std::min(declared[i].hi, value + two_sided_95 * error)}});
+    }
+  }
+  return values;
+}
+
+}  // namespace
+
+const Refit& best_refit(const Diagnosis& d) {
+  // The answer holds the fit's base parameters: the hypothesis with these values is the one.
+  const Refit* best = &d.search.hypotheses[d.search.base].refit;
+  double least = 1e300;
+  for (const Hypothesis& h : d.search.hypotheses) {
+    double apart = 0;
+    for (std::size_t i = 0; i < d.base.size(); ++i) {
+      const Interval& known = d.base[i].interval;
+      const double width = known.hi - known.lo + 1e-9 * std::abs(known.value) + 1e-300;
+      apart += std::abs(h.refit.explanation.base[i] - known.value) / width;
+    }
+    if (apart < least) {
+      least = apart;
+      best = &h.refit;
+    }
+  }
+  return *best;
+}
+
+Picture picture_of(const ScanModel& model, const Diagnosis& d, int threads, std::uint64_t seed) {
+  const Refit& base = d.search.hypotheses[d.search.base].refit;
+  const Refit& best = best_refit(d);
+  const Whitening& whitening = *d.search.whitening;
+
+  Picture picture;
+  picture.wavelengths_nm = model.records().wavelengths_nm;
+  picture.records = model.records().records;
+  std::vector<Record> all = picture.records;
+  for (Record& r : all) {
+    picture.measured.x_v.push_back(r.x_v);
+    picture.measured.y_v.push_back(r.y_v);
+    r.saturated = false;
+  }
+  const ScanModel whole = model.with_records(std::move(all));
+  const auto predicted = [&](const Explanation& explanation) {
+    Eigen::VectorXd mean;
+    whole.predict(explanation, mean, nullptr);
+    return mean;
+  };
+  const Eigen::VectorXd best_mean = predicted(best.explanation);
+  picture.base = signals_of(predicted(base.explanation));
+  picture.best = signals_of(best_mean);
+  const Whitening noise(whole.noise(best_mean), d.search.relative_noise, d.search.noise_scale);
+  const Eigen::VectorXd slow = d.search.relative_noise.slow * noise.shape().relative;
+  picture.sigma =
+      signals_of((noise.white_sigma().cwiseAbs2() + slow.cwiseAbs2()).cwiseSqrt().eval());
+
+  const auto& effects = best.explanation.effects;
+  picture.contributions.resize(effects.size());
+  for_each_index(effects.size(), threads, [&](std::size_t k) {
+    Contribution& c = picture.contributions[k];
+    c.effect = model.effects()[effects[k]];
+    c.named = std::any_of(d.causes.begin(), d.causes.end(), [&](const Cause& cause) {
+      return cause.effect == c.effect.name && cause.family == c.effect.family;
+    });
+    const Explanation without = without_effect(best.explanation, effects[k]);
+    const Refit anew = refit(model, without, whitening);
+    c.held = signals_of(best_mean - predicted(without));
+    c.refitted = signals_of(best_mean - predicted(anew.explanation));
+    c.delta_chi2 = anew.chi2 - best.chi2;
+  });
+  for (const Diagnosis::Rival& rival : d.rivals) {
+    for (const std::size_t e : rival.rival.explanation.effects) {
+      if (model.effects()[e].name != rival.rival_effect ||
+          std::find(effects.begin(), effects.end(), e) != effects.end())
+        continue;
+      picture.alternatives.push_back(
+          {rival.effect, model.effects()[e], values_of(model, rival.rival, e)});
+    }
+  }
+  picture.bounds = gap_bounds(model, d, best, bootstrap_draws, seed);
+  return picture;
+}
+
+}  // namespace umov::gap::scan

@@ -1,0 +1,37 @@
+#include "host/parallel/ranks/ranks.hpp"
+
+#include <cstdlib>
+
+#define OMPI_SKIP_MPICXX 1
+#include <mpi.h>
+
+#include "host/errors/error.hpp"
+
+namespace umov {
+
+bool Ranks::launched() {
+  // Set by Open MPI's mpirun, and by the launchers of MPICH, Intel MPI and Slurm.
+  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK"})
+    if (std::getenv(name)) return true;
+  return false;
+}
+
+Ranks::Ranks() {
+  if (!launched()) return;
+  int already = 0;
+  MPI_Initialized(&already);
+  int granted = MPI_THREAD_SINGLE;
+  // Threads of a rank compute; only the main thread calls MPI.
+  if (!already && MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &granted) != MPI_SUCCESS) {
+    throw Error("MPI could not be started", "start the program with the mpirun it was built with");
+  }
+  running_ = !already;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
+  MPI_Comm_size(MPI_COMM_WORLD, &size_);
+}
+
+Ranks::~Ranks() {
+  if (running_) MPI_Finalize();
+}
+
+}  // namespace umov
