@@ -81,7 +81,10 @@ LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whiteni
     Eigen::VectorXd shifted;
     model.predict(with_effect(at.explanation, members_[i].effect, members_[i].probe), shifted,
                   nullptr);
-    columns.col(fitted_ + static_cast<Eigen::Index>(i)) = whitening.apply(shifted - at.mean);
+    const Eigen::VectorXd signature = whitening.apply(shifted - at.mean);
+    // A probe outside of what the model can compute is as good as none.
+    columns.col(fitted_ + static_cast<Eigen::Index>(i)) =
+        signature.allFinite() ? signature : Eigen::VectorXd(Eigen::VectorXd::Zero(observations));
   });
   const Eigen::VectorXd& residual = at.residual;
 
