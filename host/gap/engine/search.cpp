@@ -111,6 +111,7 @@ class Beam {
 constexpr int most_iterations = 8;
 /// ln of the odds against the best beyond which a hypothesis need not be settled to the last digit.
 constexpr double worth_settling = 4;
+constexpr std::size_t most_settled = 6;
 /// Observations that starts and structure are looked for with.
 constexpr std::size_t most_to_find_the_way = 2400;
 
@@ -388,12 +389,17 @@ SearchResult search(const ForwardModel& model, const SearchOptions& options) {
   // What leads is settled with its own derivatives.
   {
     std::vector<Hypothesis*> leading;
-    double best = -1e300;
-    for (auto& [effects, h] : known) best = std::max(best, h.ln_evidence);
-    for (auto& [effects, h] : known)
-      if (!h.refit.own_derivatives && h.ln_evidence > best - worth_settling) leading.push_back(&h);
+    for (auto& [effects, h] : known) leading.push_back(&h);
+    std::stable_sort(leading.begin(), leading.end(), [](const Hypothesis* a, const Hypothesis* b) {
+      return a->ln_evidence > b->ln_evidence;
+    });
+    const double best = leading.front()->ln_evidence;
+    if (leading.size() > most_settled) leading.resize(most_settled);
+    std::erase_if(leading, [&](const Hypothesis* h) {
+      return h->refit.own_derivatives || h->ln_evidence < best - worth_settling;
+    });
     for_each_index(leading.size(), options.threads, [&](std::size_t i) {
-      *leading[i] = assess(refit(model, leading[i]->refit.explanation, whitening));
+      *leading[i] = assess(refit(model, leading[i]->refit.explanation, whitening, 6));
     });
   }
 

@@ -131,7 +131,7 @@ T reflected(const Material<T>& material, const Record& r, const Pose<A>& pose, b
     return contracted(material, in, out, pose.tilt_out_of_plane, source, detector, on);
 
   const double radian = optics::radians(1.0);
-  // One rule for both: their spreads are far below the lobe's width, where second moments tell.
+  // Both spreads are far below the lobe's width, where second moments tell.
   const auto spread = [&](const optics::Beam<A>& beam, const A& size, const HexagonRule& rule,
                           const auto& value) {
     T sum = rule.centre_weight * value(beam);
@@ -142,15 +142,22 @@ T reflected(const Material<T>& material, const Record& r, const Pose<A>& pose, b
     }
     return sum;
   };
-  const auto over_aperture = [&](const optics::Beam<A>& incident) {
-    const auto one = [&](const optics::Beam<A>& exit) {
-      return contracted(material, incident, exit, pose.tilt_out_of_plane, source, detector, on);
-    };
-    if (aperture == nullptr) return one(out);
-    return spread(out, A(aperture[0] * (radian * r.iris_fraction)), disc_rule, one);
+  const auto one_way_out = [&](const optics::Beam<A>& exit) {
+    return contracted(material, in, exit, pose.tilt_out_of_plane, source, detector, on);
   };
-  if (divergence == nullptr) return over_aperture(in);
-  return spread(in, A(divergence[0] * radian), gaussian_rule, over_aperture);
+  const auto one_way_in = [&](const optics::Beam<A>& incident) {
+    return contracted(material, incident, out, pose.tilt_out_of_plane, source, detector, on);
+  };
+  const auto over_aperture = [&] {
+    return spread(out, A(aperture[0] * (radian * r.iris_fraction)), disc_rule, one_way_out);
+  };
+  const auto over_divergence = [&] {
+    return spread(in, A(divergence[0] * radian), gaussian_rule, one_way_in);
+  };
+  if (divergence == nullptr) return over_aperture();
+  if (aperture == nullptr) return over_divergence();
+  // Second moments of independent spreads add.
+  return over_aperture() + over_divergence() - one_way_out(out);
 }
 
 /// What the record should read. `bent`: effects that move angles are among those switched on.
