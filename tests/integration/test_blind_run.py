@@ -49,7 +49,9 @@ class BlindRun(UmovCase):
         self.assertGreaterEqual(len(answered), 1)
         self.assertLess(len(answered), 4)
         said = json.loads(self.must("blind", "run", "set", "--quick", "--json").stdout)
-        self.assertEqual(said["answered_here"], 4 - len(answered))
+        # The case under way may have been answered between the two looks; none is answered twice.
+        self.assertIn(4 - len(answered) - said["answered_here"], (0, 1))
+        self.assertEqual(len([name for name in self.answers() if name.endswith("answer.json")]), 4)
         for name in answered:
             self.assertEqual((self.folder / "set" / name).stat().st_mtime_ns, before[name])
         again = json.loads(self.must("blind", "run", "set", "--quick", "--json").stdout)
