@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The main job, end to end, into one report: red gloss paint on an ideal and on a realistic emulated
-# bench, and two real measurements, each fitted to one part of the data and tested on the rest.
+# bench, and two real measurements, each fitted to one part of the data and tested on the rest. Then
+# a bench with an error that nobody declared, and the diagnosis that finds it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 umov=build/release/bin/umov
@@ -34,7 +35,14 @@ run import tests/data/jsss_mwir/inplane.csv --kind jsss --material "aluminium sa
 run invert "$out/aluminium.h5" --rows theta_r_deg!=30,60 --model microfacet+nef \
   --fix 0.n=5.5 --fix 0.kappa=37 --free 0.bias -o "$out/aluminium.json"
 
+step "the incidence stage is off by 0.1 deg: where does the simulation miss the scan, and why?"
+wrong=(--sample red-gloss --preset ideal --plant-set axis.incidence.zero_deg=0.1 --seed 3)
+run scan examples/plans/red-gloss.toml "${wrong[@]}" --name "red gloss, a stage is off" -o "$out/scan-off.h5"
+run diagnose "$out/scan-off.h5" --calibration "$out/cal-ideal.h5" --follow-up emulator "${wrong[@]}" \
+  --report "$out/diagnosis.html"
+
 step "report"
 run report "${files[@]}" "$out/ptfe.h5" "$out/ptfe.json" "$out/aluminium.h5" "$out/aluminium.json" \
   --title "Umov demonstration" -o "$out/report.html"
-printf '\nDone in %d s. Open this file in a browser:\n  %s/%s/report.html\n' $((SECONDS - start)) "$PWD" "$out"
+printf '\nDone in %d s. Open these files in a browser:\n' $((SECONDS - start))
+printf '  %s\n' "$PWD/$out/report.html" "$PWD/$out/diagnosis.html"

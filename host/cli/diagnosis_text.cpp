@@ -40,9 +40,13 @@ void print_diagnosis(const gap::Diagnosis& d, const gap::AnswerSource& source) {
     fmt::print("  {:<28} {:>11.3f} {:>6.0f} % ",
                c.family.empty() ? c.effect : fmt::format("{} ({})", c.effect, c.family),
                c.probability, 100 * c.share);
+    // The coefficients of a series say nothing to a reader; the JSON has them.
+    const bool series = c.family.starts_with("free-");
+    if (series) fmt::print(" a smooth series of {} terms", c.parameters.size());
     for (const gap::NamedValue& v : c.parameters)
-      fmt::print(" {} {:.4g} [{:.4g}, {:.4g}] {}", v.name, v.interval.value, v.interval.lo,
-                 v.interval.hi, v.unit == "1" ? "" : v.unit);
+      if (!series)
+        fmt::print(" {} {:.4g} [{:.4g}, {:.4g}] {}", v.name, v.interval.value, v.interval.lo,
+                   v.interval.hi, v.unit == "1" ? "" : v.unit);
     if (const auto within = gap::within_tolerance(c, source.limits))
       fmt::print(" ({} tolerance)", *within ? "within" : "beyond");
     fmt::print("\n");
