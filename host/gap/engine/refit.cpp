@@ -160,6 +160,10 @@ Refit refit(const ForwardModel& model, const Explanation& start, const Whitening
     unflatten(value, best.explanation);
     Evaluation e;
     model.predict(best.explanation, e.mean, jacobian, wanted);
+    // Where a parameter has no derivative (a root at its end, say) it stays for this step.
+    if (jacobian != nullptr)
+      for (Eigen::Index i = 0; i < jacobian->cols(); ++i)
+        if (!jacobian->col(i).allFinite()) jacobian->col(i).setZero();
     e.residual = whitening.apply(observed - e.mean);
     e.chi2 = e.residual.squaredNorm();
     const Eigen::VectorXd distance = from_prior(flat, value);
