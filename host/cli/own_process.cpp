@@ -20,10 +20,12 @@ constexpr int threw = 3;
 [[noreturn]] void be_the_child(const std::function<void()>& work, int out) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   std::string failure;
+  int end = 0;
   try {
     work();
   } catch (const std::exception& error) {
     failure = error.what();
+    end = threw;
   }
   for (std::size_t done = 0; done < failure.size();) {
     const ssize_t wrote = write(out, failure.data() + done, failure.size() - done);
@@ -31,7 +33,7 @@ constexpr int threw = 3;
     if (wrote > 0) done += static_cast<std::size_t>(wrote);
   }
   // No destructors: what they hold belongs to the parent.
-  _exit(failure.empty() ? 0 : threw);
+  _exit(end);
 }
 
 std::string read_to_the_end(int in) {

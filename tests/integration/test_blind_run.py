@@ -36,12 +36,16 @@ class BlindRun(UmovCase):
         return subprocess.run(list(map(str, command)), cwd=self.folder, env=environment, text=True, capture_output=True,
                               timeout=120, check=False)
 
-    def test_a_killed_run_goes_on_where_it_was_and_its_claims_come_free(self):
-        self.small_set(4)
+    def started_until_the_first_answer(self):
         process = self.start("blind", "run", "set", "--quick", "--threads", 1, "--quiet")
         deadline = time.monotonic() + 60
         while not self.answers() and time.monotonic() < deadline:
             time.sleep(0.02)
+        return process
+
+    def test_a_killed_run_goes_on_where_it_was_and_its_claims_come_free(self):
+        self.small_set(4)
+        process = self.started_until_the_first_answer()
         process.send_signal(signal.SIGKILL)
         process.wait()
         before = {name: (self.folder / "set" / name).stat().st_mtime_ns for name in self.answers()}
@@ -59,10 +63,7 @@ class BlindRun(UmovCase):
 
     def test_an_interrupted_run_ends_cleanly_and_says_how_to_go_on(self):
         self.small_set(6)
-        process = self.start("blind", "run", "set", "--quick", "--threads", 1, "--quiet")
-        deadline = time.monotonic() + 60
-        while not self.answers() and time.monotonic() < deadline:
-            time.sleep(0.02)
+        process = self.started_until_the_first_answer()
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 130)

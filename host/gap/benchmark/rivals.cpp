@@ -4,7 +4,6 @@
 #include <cmath>
 #include <set>
 
-#include <Eigen/Cholesky>
 #include <nlohmann/json.hpp>
 
 #include "host/errors/error.hpp"
@@ -16,7 +15,6 @@
 namespace umov::gap::benchmark {
 namespace {
 
-constexpr double two_sided_95 = 1.959964;
 constexpr double two_sided_99 = 2.575829;
 constexpr std::size_t most_effects = 5;     // of the forward selection; the search's limit
 constexpr std::size_t most_structures = 3;  // of the search's, that the oracle tries
@@ -219,7 +217,7 @@ class Rivals {
   }
 
   void name_causes(Diagnosis& d, const Refit& fit, double least_z) const {
-    const Eigen::VectorXd error = standard_errors(fit);
+    const Eigen::VectorXd error = standard_errors(fit.precision);
     auto next = static_cast<Eigen::Index>(fit.explanation.base.size());
     double total = 0;
     for (std::size_t k = 0; k < fit.explanation.effects.size(); ++k) {
@@ -229,9 +227,7 @@ class Rivals {
       for (std::size_t i = 0; i < effect.parameters.size(); ++i, ++next) {
         const Parameter& p = effect.parameters[i];
         const double value = fit.explanation.alpha[k][i];
-        const double half = two_sided_95 * error[next];
-        cause.parameters.push_back(
-            {p.name, p.unit, {value, std::max(p.lo, value - half), std::min(p.hi, value + half)}});
+        cause.parameters.push_back(named_value(p, value, error[next]));
         if (i == 0 && error[next] > 0) z = std::abs(value - p.absent) / error[next];
       }
       if (!(z >= least_z)) continue;
@@ -242,21 +238,6 @@ class Rivals {
     for (Cause& cause : d.causes) cause.share /= std::max(total, 1e-300);
     std::stable_sort(d.causes.begin(), d.causes.end(),
                      [](const Cause& a, const Cause& b) { return a.share > b.share; });
-  }
-
-  Eigen::VectorXd standard_errors(const Refit& fit) const {
-    Eigen::VectorXd errors = Eigen::VectorXd::Zero(fit.precision.rows());
-    const Eigen::MatrixXd part = fit.precision(fit.free, fit.free);
-    const Eigen::VectorXd unit = part.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    Eigen::MatrixXd scaled = unit.asDiagonal() * part * unit.asDiagonal();
-    scaled.diagonal().array() += 1e-10;
-    const Eigen::MatrixXd inverse =
-        scaled.ldlt().solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
-    for (std::size_t i = 0; i < fit.free.size(); ++i) {
-      const auto at = static_cast<Eigen::Index>(i);
-      errors[fit.free[i]] = std::sqrt(std::max(0.0, inverse(at, at))) * unit[at];
-    }
-    return errors;
   }
 
   const scan::ScanModel& model_;

@@ -6,37 +6,13 @@
 #include <random>
 #include <set>
 
-#include <Eigen/Cholesky>
-
 #include "host/gap/engine/folds.hpp"
 #include "host/parallel/for_each_index.hpp"
 
 namespace umov::gap {
 namespace {
 
-constexpr double two_sided_95 = 1.959964;
 constexpr std::size_t most_rivals = 5;  // of one cause, refitted in full
-
-Eigen::VectorXd standard_errors(const Eigen::MatrixXd& precision) {
-  const Eigen::VectorXd scale = precision.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  Eigen::MatrixXd scaled = scale.asDiagonal() * precision * scale.asDiagonal();
-  for (Eigen::Index i = 0; i < scaled.rows(); ++i)
-    if (!(precision(i, i) > 0)) scaled(i, i) = 1;
-  scaled.diagonal().array() += 1e-10;
-  const Eigen::MatrixXd inverse =
-      scaled.ldlt().solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
-  Eigen::VectorXd errors(scaled.rows());
-  for (Eigen::Index i = 0; i < errors.size(); ++i)
-    errors[i] = precision(i, i) > 0 ? std::sqrt(std::max(0.0, inverse(i, i))) * scale[i] : 0.0;
-  return errors;
-}
-
-NamedValue named_value(const Parameter& p, double value, double error) {
-  return {p.name,
-          p.unit,
-          {value, std::max(p.lo, value - two_sided_95 * error),
-           std::min(p.hi, value + two_sided_95 * error)}};
-}
 
 /// χ² of withheld rows, fold by fold.
 std::vector<double> held_out_by_fold(const ForwardModel& model, const Refit& fit,
@@ -374,6 +350,14 @@ class Diagnoser {
 };
 
 }  // namespace
+
+NamedValue named_value(const Parameter& parameter, double value, double error) {
+  constexpr double two_sided_95 = 1.959964;
+  return {parameter.name,
+          parameter.unit,
+          {value, std::max(parameter.lo, value - two_sided_95 * error),
+           std::min(parameter.hi, value + two_sided_95 * error)}};
+}
 
 const char* to_string(Verdict verdict) {
   switch (verdict) {

@@ -30,6 +30,9 @@ struct Cause {
   std::vector<NamedValue> parameters;
 };
 
+/// A value with its 95 % interval from one standard error, within the parameter's bounds.
+NamedValue named_value(const Parameter& parameter, double value, double error);
+
 struct GapSize {
   double g2 = 0;       ///< mean squared whitened residual of withheld rows, less one
   double percent = 0;  ///< the even relative deviation of the signal that would show as much

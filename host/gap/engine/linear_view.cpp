@@ -125,7 +125,7 @@ LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whiteni
   reduced_ = Eigen::MatrixXd(reduced_.selfadjointView<Eigen::Lower>());
   reduced_right_ = left.topRows(observations).transpose() * residual;
   for (Eigen::Index i = 0; i < probes; ++i) {
-    const double full = all_.matrix(fitted_ + i, fitted_ + i);
+    const double full = columns.col(fitted_ + i).squaredNorm();
     if (reduced_(i, i) < smallest_survival * full || !(full > 0)) {
       // Absorbed: it can neither be seen nor help.
       reduced_.row(i).setZero();

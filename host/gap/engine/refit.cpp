@@ -276,4 +276,18 @@ Refit refit(const ForwardModel& model, const Explanation& start, const Whitening
   return best;
 }
 
+Eigen::VectorXd standard_errors(const Eigen::MatrixXd& precision) {
+  const Eigen::VectorXd scale = precision.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd scaled = scale.asDiagonal() * precision * scale.asDiagonal();
+  for (Eigen::Index i = 0; i < scaled.rows(); ++i)
+    if (!(precision(i, i) > 0)) scaled(i, i) = 1;
+  scaled.diagonal().array() += 1e-10;
+  const Eigen::MatrixXd inverse =
+      scaled.ldlt().solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
+  Eigen::VectorXd errors(scaled.rows());
+  for (Eigen::Index i = 0; i < errors.size(); ++i)
+    errors[i] = precision(i, i) > 0 ? std::sqrt(std::max(0.0, inverse(i, i))) * scale[i] : 0.0;
+  return errors;
+}
+
 }  // namespace umov::gap

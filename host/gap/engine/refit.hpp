@@ -46,4 +46,8 @@ Explanation with_effect(const Explanation& explanation, std::size_t effect,
 /// The same explanation with one effect less.
 Explanation without_effect(const Explanation& explanation, std::size_t effect);
 
+/// One standard error of each parameter from a fit's precision, the others free; 0 where the data
+/// and priors say nothing (a choice).
+Eigen::VectorXd standard_errors(const Eigen::MatrixXd& precision);
+
 }  // namespace umov::gap

@@ -219,17 +219,6 @@ Refit with_structure(const ForwardModel& whole, Refit centre, const SearchOption
       }
     }
     if (best == nullptr || best->chi2 > worthwhile * centre.chi2) break;
-    const LinearView view(model, centre, whitening, {}, true, options.threads);
-    double alone = 0;
-    for (std::size_t c = 0; c < view.candidates().size(); ++c) {
-      const std::size_t effect = view.candidates()[c].effect;
-      const std::size_t one[] = {c};
-      if (!model.effects()[effect].structural &&
-          std::find(options.without.begin(), options.without.end(), effect) ==
-              options.without.end())
-        alone = std::max(alone, 2 * view.fit(one).ln_evidence);
-    }
-    if (alone > cost(centre) - cost(*best)) break;
     if (best->chi2 * several < centre.chi2)
       for (const std::size_t e : best->explanation.effects)
         if (std::find(centre.explanation.effects.begin(), centre.explanation.effects.end(), e) ==

@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 #include "host/parallel/for_each_index.hpp"
 
 namespace umov::gap::scan {
 namespace {
 
-constexpr double two_sided_95 = 1.959964;
 constexpr int bootstrap_draws = 1000;
 
 Signals signals_of(const Eigen::VectorXd& both) {
@@ -20,30 +17,14 @@ Signals signals_of(const Eigen::VectorXd& both) {
 
 /// Values of one effect of a fit with their 95 % intervals.
 std::vector<NamedValue> values_of(const ScanModel& model, const Refit& fit, std::size_t effect) {
-  const auto& free = fit.free;
-  const Eigen::MatrixXd precision = fit.precision(free, free);
-  const Eigen::VectorXd scale = precision.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  Eigen::MatrixXd scaled = scale.asDiagonal() * precision * scale.asDiagonal();
-  scaled.diagonal().array() += 1e-10;
-  const Eigen::LDLT<Eigen::MatrixXd> factor(scaled);
+  const Eigen::VectorXd errors = standard_errors(fit.precision);
   std::vector<NamedValue> values;
   auto column = static_cast<Eigen::Index>(fit.explanation.base.size());
   for (std::size_t k = 0; k < fit.explanation.effects.size(); ++k) {
     const auto& declared = model.effects()[fit.explanation.effects[k]].parameters;
     for (std::size_t i = 0; i < declared.size(); ++i, ++column) {
       if (fit.explanation.effects[k] != effect) continue;
-      const auto at = std::find(free.begin(), free.end(), column);
-      double error = 0;
-      if (at != free.end()) {
-        const auto own = static_cast<Eigen::Index>(at - free.begin());
-        const Eigen::VectorXd unit = Eigen::VectorXd::Unit(scaled.rows(), own);
-        error = scale[own] * std::sqrt(std::max(0.0, factor.solve(unit)[own]));
-      }
-      const double value = fit.explanation.alpha[k][i];
-      values.push_back({declared[i].name,
-                        declared[i].unit,
-                        {value, std::max(declared[i].lo, value - two_sided_95 * error),
-                         std::min(declared[i].hi, value + two_sided_95 * error)}});
+      values.push_back(named_value(declared[i], fit.explanation.alpha[k][i], errors[column]));
     }
   }
   return values;

@@ -57,10 +57,8 @@ T free_slope_density(const Material<T>& material, const T* coefficient,
   const T reach = 1.0 + 0.25 * u2;
   const A cos2 = f.cos_h * f.cos_h;
   const T envelope = 1.0 / (2.0 * optics::pi * slope * slope * reach * reach * (cos2 * cos2));
-  const std::array<T, 1> none{};
   return sum * envelope *
-         brdf::shadowing_factor(brdf::Shadowing::smith, slope, std::span<const T>(none).first(0),
-                                f);
+         brdf::shadowing_factor(brdf::Shadowing::smith, slope, std::span<const T>{}, f);
 }
 
 /// Terms of free_lobe before those of each wavelength: growth of the lobe with the difference angle
@@ -91,6 +89,7 @@ void add_free_forms(optics::Mueller<T>& m, const Material<T>& material,
           x * (lobe[0] + x * (2.0 * lobe[1] + x * (4.0 * lobe[2]))) +
           wider * (x * (lobe[5] + x * (2.0 * lobe[6])) + lobe[lobe_terms + material.wavelength]);
       add_facets(m, p[0], p[1], T(own * growth), f);
+      // Four per cent is what facets of n = 1.5 reflect: terms are shares of the lobe.
       brdf::add_depolarized(
           m, T((0.25 / (f.cos_i * f.cos_r)) * own * 0.04 * (lobe[3] + 2.0 * x * lobe[4])));
     }
