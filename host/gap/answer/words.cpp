@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -63,6 +64,37 @@ std::string menu_in_words(const std::string& menu) {
   for (const auto& [name, words] : menu_words)
     if (menu == name) return words;
   return menu;
+}
+
+std::string variation_in_words(const Diagnosis& d) {
+  if (!varies(d)) return "";
+  const Variation& v = d.variation;
+  std::string with = v.with;
+  if (with.ends_with("_deg")) with.resize(with.size() - 4);
+  if (with.ends_with("_nm")) with.resize(with.size() - 3);
+  std::replace(with.begin(), with.end(), '_', ' ');
+  const std::string unit = v.unit == "1" ? "" : " " + v.unit;
+  std::string how;
+  switch (v.kind) {
+    case Variation::Kind::level:
+      how = fmt::format("is another at {} = {:.4g}{} than elsewhere", with, v.at, unit);
+      break;
+    case Variation::Kind::trend:
+      how = fmt::format("changes steadily with {}", with);
+      break;
+    case Variation::Kind::step:
+      how = fmt::format("steps at {} = {:.4g}{}", with, v.at, unit);
+      break;
+    case Variation::Kind::swing:
+      how = fmt::format("swings with {}, with a period of {:.3g}{}", with, v.at, unit);
+      break;
+    case Variation::Kind::wander:
+      how = fmt::format("wanders in the course of the scan by {:.2g} %", 100 * v.at);
+      break;
+  }
+  const std::string name = plain_name(v.what);
+  const bool vowel = std::string_view("aeiou").find(name.front()) != std::string_view::npos;
+  return fmt::format("What is left looks like {} {} that {}.", vowel ? "an" : "a", name, how);
 }
 
 std::string verdict_sentence(const Diagnosis& d) {

@@ -7,6 +7,9 @@
 
 namespace umov::gap {
 
+/// A sentence on what is left where it varies with a circumstance; empty where nothing does.
+std::string variation_in_words(const Diagnosis& diagnosis);
+
 /// One sentence of verdict.
 std::string verdict_sentence(const Diagnosis& diagnosis);
 

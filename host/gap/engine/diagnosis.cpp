@@ -6,6 +6,8 @@
 #include <random>
 #include <set>
 
+#include <Eigen/Cholesky>
+
 #include "host/gap/engine/folds.hpp"
 #include "host/parallel/for_each_index.hpp"
 
@@ -77,7 +79,15 @@ class Diagnoser {
     d_.where = find_where(model_, base.refit, options_.draws, options_.search.seed + 1);
     final_ = confirmed(d_.search.hypotheses.front(), base, whitening);
     const Refit& after = final_.refit;
+    fprintf(stderr, "noise w %.2e s %.2e m %.3f scale %.3f\n", d_.search.relative_noise.white,
+            d_.search.relative_noise.slow, d_.search.relative_noise.memory, d_.search.noise_scale);
     d_.unexplained = find_where(model_, after, options_.draws, options_.search.seed + 2);
+    d_.variation = strongest_variation(model_, after, whitening, options_.search.threads);
+    if (Variation slow = slow_wander(model_, after, whitening, d_.search.noise_scale);
+        slow.p_global < d_.variation.p_global)
+      d_.variation = std::move(slow);
+    d_.unexplained_p =
+        std::min({1.0, d_.unexplained.p_global, d_.variation.p_global / options_.varying_share});
     gaps(base.refit, after, whitening);
     ambiguity(whitening);
     probabilities();
@@ -232,6 +242,7 @@ class Diagnoser {
                      ? closed.front() / static_cast<double>(n - small.size())
                      : of_small[next_small++];
     }
+    const std::set<std::size_t> hollow = undercut(after);
     const Eigen::VectorXd errors = standard_errors(after.precision);
     Eigen::Index next = static_cast<Eigen::Index>(after.explanation.base.size());
     for (std::size_t k = 0; k < n; ++k) {
@@ -242,7 +253,8 @@ class Diagnoser {
             named_value(effect.parameters[i], after.explanation.alpha[k][i], errors[next]));
       // What stays unexplained could be taken for an effect as large: such a one is not named.
       const bool outweighed = significant_rest() && !effect.structural && share[k] < rest;
-      if (joint_probability(effect.name) >= options_.named && !outweighed)
+      if (joint_probability(effect.name) >= options_.named && !outweighed &&
+          !hollow.contains(chosen[k]))
         d_.causes.push_back(std::move(cause));
     }
     std::erase_if(d_.ambiguity_sets, [&](const std::vector<std::string>& set) {
@@ -319,7 +331,47 @@ class Diagnoser {
     d_.ambiguity_sets = merged(std::move(sets));
   }
 
-  bool significant_rest() const { return d_.unexplained.p_global < options_.significance; }
+  bool significant_rest() const { return d_.unexplained_p < options_.significance; }
+
+  /// Effects of the explanation that would not be needed beside the variation: they stood in for
+  /// something that is not constant.
+  std::set<std::size_t> undercut(const Refit& fit) const {
+    std::set<std::size_t> hollow;
+    const Eigen::MatrixXd& varying = d_.variation.signature;
+    if (!varies(d_, options_) || varying.size() == 0) return hollow;
+    const auto fitted = static_cast<Eigen::Index>(fit.free.size());
+    Eigen::MatrixXd columns(fit.residual.size(), fitted + varying.cols());
+    columns.leftCols(fitted) = fit.jacobian(Eigen::all, fit.free);
+    columns.rightCols(varying.cols()) = varying;
+    Eigen::MatrixXd matrix = columns.transpose() * columns;
+    matrix.diagonal().head(fitted) += fit.prior_precision(fit.free);
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(matrix.rows());
+    right.tail(varying.cols()) = varying.transpose() * fit.residual;
+    const Eigen::VectorXd unit = matrix.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    Eigen::MatrixXd scaled = unit.asDiagonal() * matrix * unit.asDiagonal();
+    scaled.diagonal().array() += 1e-12;
+    const Eigen::LDLT<Eigen::MatrixXd> factor(scaled);
+    const Eigen::VectorXd step = unit.cwiseProduct(factor.solve(unit.cwiseProduct(right)));
+    const Eigen::MatrixXd covariance =
+        unit.asDiagonal() * factor.solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.rows())) *
+        unit.asDiagonal();
+    auto next = static_cast<Eigen::Index>(fit.explanation.base.size());
+    for (std::size_t k = 0; k < fit.explanation.effects.size(); ++k) {
+      const Effect& effect = model_.effects()[fit.explanation.effects[k]];
+      bool needed = effect.structural;
+      for (std::size_t i = 0; i < effect.parameters.size(); ++i, ++next) {
+        const Parameter& p = effect.parameters[i];
+        if (p.shape || p.choice) continue;
+        const auto place = std::find(fit.free.begin(), fit.free.end(), next);
+        if (place == fit.free.end()) continue;
+        const auto column = place - fit.free.begin();
+        const double away = fit.explanation.alpha[k][i] + step[column] - p.absent;
+        needed = needed || away * away > options_.needed * covariance(column, column);
+      }
+      if (!needed) hollow.insert(fit.explanation.effects[k]);
+    }
+    return hollow;
+  }
 
   /// Of a cause and what cannot be told from it.
   double joint_probability(const std::string& name) const {
@@ -371,6 +423,10 @@ const char* to_string(Verdict verdict) {
       return "unexplained";
   }
   return "";
+}
+
+bool varies(const Diagnosis& diagnosis, const DiagnoseOptions& options) {
+  return diagnosis.variation.p_global < options.varying_share * options.significance;
 }
 
 Diagnosis diagnose(const ForwardModel& model, const DiagnoseOptions& options) {

@@ -9,6 +9,7 @@
 
 #include "host/gap/engine/forward_model.hpp"
 #include "host/gap/engine/search.hpp"
+#include "host/gap/engine/variation.hpp"
 #include "host/gap/engine/where.hpp"
 
 namespace umov::gap {
@@ -56,6 +57,8 @@ struct Diagnosis {
   Where where;                ///< of the base model's residual
   Where unexplained;          ///< of what the causes leave
   double unexplained_g2 = 0;  ///< beyond the floor
+  Variation variation;        ///< the same read as something known that varies
+  double unexplained_p = 1;   ///< of both, that noise alone leaves as much
   std::vector<Cause> causes;  ///< largest share first
   /// Effects that this measurement cannot tell apart; each set holds a cause and its rivals.
   std::vector<std::vector<std::string>> ambiguity_sets;
@@ -78,7 +81,15 @@ struct DiagnoseOptions {
   double named = 0.5;    ///< least probability of a cause
   double ambiguous = 6;  ///< rivals within this of twice the log evidence
   double significance = 0.01;
+  /// Share of `significance` that signs of a variation may use up. Small: they are looked for
+  /// among thousands, and rest on signatures that are right to a few per cent only.
+  double varying_share = 0.2;
+  /// Least Δχ² of a cause beside a variation that was found.
+  double needed = 10;
 };
+
+/// Is the variation that was found more than chance?
+bool varies(const Diagnosis& diagnosis, const DiagnoseOptions& options = {});
 
 Diagnosis diagnose(const ForwardModel& model, const DiagnoseOptions& options = {});
 

@@ -47,6 +47,8 @@ struct Effect {
   /// Part of the model's own structure rather than a small error: tried before all others where the
   /// base misses by far.
   bool structural = false;
+  /// Of what is measured, not of the instrument.
+  bool of_object = false;
   /// The effect's possible signatures. Probes of one group act together (sine and cosine of an
   /// unknown phase); groups are alternatives (values of a parameter that shapes the signature).
   std::vector<std::vector<Probe>> probes = {};
@@ -65,6 +67,16 @@ struct Axis {
   std::vector<double> value;  ///< one an observation
 };
 
+/// Something that an observation was made under and that no effect's size should depend on: the
+/// time, a setting, a direction of travel.
+struct Circumstance {
+  Axis axis;
+  /// What is measured (not the instrument) may well depend on it.
+  bool of_object = false;
+  /// Stage whose errors may repeat many times over its range (gears, graduations); empty: none.
+  std::string repeats_in = {};
+};
+
 struct Observations {
   Eigen::VectorXd value;
   /// Observations with the same number are neighbours that share errors (a row of a scan): they are
@@ -73,6 +85,7 @@ struct Observations {
   std::vector<Axis> axes;
   std::vector<int> channel;           ///< such as the polarisation channel
   std::vector<std::string> channels;  ///< their names
+  std::vector<Circumstance> circumstances;
 };
 
 /// Immutable while a diagnosis runs.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -76,6 +77,7 @@ class Catalogue {
            const char* source, std::vector<Parameter> parameters,
            std::vector<std::vector<Probe>> probes) {
     effects_[number(id)] = {name, stage, physics, source, std::move(parameters)};
+    effects_[number(id)].of_object = std::string_view(stage) == "sample";
     effects_[number(id)].probes = std::move(probes);
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 
 #include <ceres/jet.h>
 #include <fmt/format.h>
@@ -176,6 +177,34 @@ void ScanModel::make_catalogue() {
   effects_ = catalogue(scale);
 }
 
+std::vector<Circumstance> ScanModel::circumstances() const {
+  const auto of = [this](const char* name, const char* unit, bool of_object, const auto& value) {
+    Circumstance c{{name, unit, {}},
+                   of_object,
+                   std::string_view(name).starts_with("theta_") ? "geometry" : ""};
+    for (int part = 0; part < 2; ++part)
+      for (const std::size_t i : used_) c.axis.value.push_back(value(records_.records[i]));
+    return c;
+  };
+  // A free transmission axis is a setting of its own.
+  constexpr double open_deg = 999;
+  return {
+      of("time", "1", false, [](const Record& r) { return r.time; }),
+      of("direction", "1", false, [](const Record& r) { return double(r.direction); }),
+      of("polarizer_deg", "deg", false,
+         [](const Record& r) {
+           return r.polarizer_open ? open_deg : optics::degrees(r.polarizer);
+         }),
+      of("analyzer_deg", "deg", false,
+         [](const Record& r) { return r.analyzer_open ? open_deg : optics::degrees(r.analyzer); }),
+      of("gain", "1", false, [](const Record& r) { return r.gain; }),
+      of("wavelength_nm", "nm", true,
+         [this](const Record& r) { return records_.wavelengths_nm[r.wavelength]; }),
+      of("theta_i_deg", "deg", true, [](const Record& r) { return optics::degrees(r.theta_i); }),
+      of("theta_r_deg", "deg", true, [](const Record& r) { return optics::degrees(r.theta_r); }),
+  };
+}
+
 void ScanModel::make_observations() {
   used_.clear();
   for (std::size_t i = 0; i < records_.records.size(); ++i)
@@ -214,6 +243,7 @@ void ScanModel::make_observations() {
       if (known == observations_.channels.end()) observations_.channels.push_back(channel);
     }
   }
+  observations_.circumstances = circumstances();
 }
 
 template <class T, class A>

@@ -53,6 +53,7 @@ class ScanModel : public ForwardModel {
  private:
   void make_catalogue();
   void make_observations();
+  std::vector<Circumstance> circumstances() const;
   /// Signal of a record. `angles`: the same values in the scalar that angles are computed in.
   template <class T, class A>
   void evaluate(const Explanation& explanation, const std::vector<T>& values,
