@@ -64,8 +64,6 @@ void print_diagnosis(const gap::Diagnosis& d, const gap::AnswerSource& source) {
   };
   cells("where the simulation misses", d.where);
   cells("what is left", d.unexplained);
-  if (const std::string words = gap::variation_in_words(d); !words.empty())
-    fmt::print("\n{}\n", words);
   for (const gap::FurtherScan& s : d.next_scan)
     fmt::print("\nnext: {} ({:.0f} min, separation {:.1f} sigma)\n", s.menu, s.minutes,
                s.expected_separation);

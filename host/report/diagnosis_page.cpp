@@ -93,7 +93,6 @@ std::string diagnosis_data(const DiagnosisInput& input) {
             {"left",
              {{"cells", cells_json(d.unexplained)},
               {"p_global", plain(d.unexplained.p_global, 2)},
-              {"varies", gap::variation_in_words(d)},
               {"g2", plain(d.unexplained_g2, 2)}}},
             {"base", base_json(d)},
             {"provenance", provenance_rows(input)}};

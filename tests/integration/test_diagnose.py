@@ -51,6 +51,17 @@ class Diagnose(UmovCase):
             plan.replace("step = 4", "step = 40").replace("coupon", "red-gloss"))
         self.must("scan", "small.toml", "-o", "further.h5", timeout=300)
 
+    def test_a_cause_without_a_name_is_told_by_what_it_varies_with(self):
+        # A wedge in the polariser: the beam walks as it turns. No effect of the catalogue does that.
+        self.must("blind", "make", "cases", "--truth", "sealed", "--cases", "1", "--effect", "polarizer_wedge",
+                  "--style", "one-way", "--rho-min", "25", "--rho-max", "30", "--seed", "3", timeout=120)
+        answer = self.diagnosis("cases/case_0001/scan.csv")
+        self.assertIn(answer["verdict"], ("unexplained", "explained_in_part"))
+        self.assertEqual([c["effect"] for c in answer["causes"] if c["effect"] != "sample_model"], [])
+        varies = answer["unexplained"]["varies"]
+        self.assertEqual((varies["effect"], varies["with"]), ("incidence_zero", "polarizer_deg"))
+        self.assertLess(varies["p_global"], 1e-6)
+
     def test_the_answer_does_not_depend_on_threads(self):
         one = self.diagnosis(SCANS / "scan_03.csv", "--threads", "1")
         two = self.diagnosis(SCANS / "scan_03.csv", "--threads", "2")

@@ -51,21 +51,7 @@ constexpr std::array<std::pair<const char*, const char*>, 12> menu_words{{
     {"no_sample", "the same scan with the sample taken away"},
 }};
 
-}  // namespace
-
-std::string plain_name(const std::string& effect) {
-  if (effect == "sample_model") return "richer reflectance model";
-  std::string name = effect;
-  std::replace(name.begin(), name.end(), '_', ' ');
-  return name;
-}
-
-std::string menu_in_words(const std::string& menu) {
-  for (const auto& [name, words] : menu_words)
-    if (menu == name) return words;
-  return menu;
-}
-
+/// A sentence on what is left where it varies with a circumstance; empty where nothing does.
 std::string variation_in_words(const Diagnosis& d) {
   if (!varies(d)) return "";
   const Variation& v = d.variation;
@@ -94,7 +80,22 @@ std::string variation_in_words(const Diagnosis& d) {
   }
   const std::string name = plain_name(v.what);
   const bool vowel = std::string_view("aeiou").find(name.front()) != std::string_view::npos;
-  return fmt::format("What is left looks like {} {} that {}.", vowel ? "an" : "a", name, how);
+  return fmt::format(" What is left looks like {} {} that {}.", vowel ? "an" : "a", name, how);
+}
+
+}  // namespace
+
+std::string plain_name(const std::string& effect) {
+  if (effect == "sample_model") return "richer reflectance model";
+  std::string name = effect;
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
+std::string menu_in_words(const std::string& menu) {
+  for (const auto& [name, words] : menu_words)
+    if (menu == name) return words;
+  return menu;
 }
 
 std::string verdict_sentence(const Diagnosis& d) {
@@ -104,8 +105,8 @@ std::string verdict_sentence(const Diagnosis& d) {
     case Verdict::unexplained:
       return fmt::format(
           "The simulation misses the measurement by {:.2g} % of the signal, and no effect in the "
-          "catalogue explains it.",
-          d.before.percent);
+          "catalogue explains it.{}",
+          d.before.percent, variation_in_words(d));
     default:
       break;
   }
@@ -122,7 +123,7 @@ std::string verdict_sentence(const Diagnosis& d) {
                   in_percent(d.closed_fraction.hi, all), all ? "nothing" : "something");
   if (sentence[0] >= 'a' && sentence[0] <= 'z')
     sentence[0] = static_cast<char>(sentence[0] - 'a' + 'A');
-  return sentence;
+  return sentence + variation_in_words(d);
 }
 
 }  // namespace umov::gap

@@ -7,10 +7,7 @@
 
 namespace umov::gap {
 
-/// A sentence on what is left where it varies with a circumstance; empty where nothing does.
-std::string variation_in_words(const Diagnosis& diagnosis);
-
-/// One sentence of verdict.
+/// One sentence of verdict, and one on what is left where it varies with a circumstance.
 std::string verdict_sentence(const Diagnosis& diagnosis);
 
 /// An effect as people say it: "laser drift".

@@ -26,7 +26,7 @@ function whereSection() {
     : h("p", { class: "note" }, `After: nothing significant is left (p = ${DATA.left.p_global}).`);
   return section("where", "Where it misses",
     "Places of the residual, worst first. p counts how many places were looked at: noise alone would give one as bad anywhere this often.",
-    content, left, DATA.left.varies ? h("p", { class: "varies" }, DATA.left.varies) : null);
+    content, left);
 }
 
 function diagnosisArticle() {
