@@ -82,7 +82,8 @@ class Diagnoser {
     fprintf(stderr, "noise w %.2e s %.2e m %.3f scale %.3f\n", d_.search.relative_noise.white,
             d_.search.relative_noise.slow, d_.search.relative_noise.memory, d_.search.noise_scale);
     d_.unexplained = find_where(model_, after, options_.draws, options_.search.seed + 2);
-    d_.variation = strongest_variation(model_, after, whitening, options_.search.threads);
+    d_.variation =
+        strongest_variation(model_, after, whitening, d_.search.null_99, options_.search.threads);
     if (Variation slow = slow_wander(model_, after, whitening, d_.search.noise_scale);
         slow.p_global < d_.variation.p_global)
       d_.variation = std::move(slow);

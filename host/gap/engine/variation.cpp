@@ -175,7 +175,7 @@ Variation slow_wander(const ForwardModel& model, const Refit& fit, const Whiteni
 }
 
 Variation strongest_variation(const ForwardModel& model, const Refit& fit,
-                              const Whitening& whitening, int threads) {
+                              const Whitening& whitening, double known_gain, int threads) {
   std::vector<Pattern> patterns;
   for (const Circumstance& c : model.observations().circumstances) {
     std::vector<Pattern> own = patterns_of(c);
@@ -202,6 +202,7 @@ Variation strongest_variation(const ForwardModel& model, const Refit& fit,
   std::vector<Variation> best(carriers.size());
   std::vector<double> least_p(carriers.size(), 1.0);
   std::vector<std::size_t> looked(carriers.size(), 0);
+  std::vector<double> constant(carriers.size(), 0.0);
   for_each_index(carriers.size(), threads, [&](std::size_t k) {
     const Carrier& carrier = carriers[k];
     Eigen::Index columns = 0;
@@ -225,7 +226,15 @@ Variation strongest_variation(const ForwardModel& model, const Refit& fit,
     for (Eigen::Index i = 0; i < n; ++i)
       if (plain[i] != 0) shown.push_back(i);
     signature = Eigen::MatrixXd(whitening.apply(signature)(shown, Eigen::all));
-    const Eigen::MatrixXd absorbed = Eigen::MatrixXd(q(shown, Eigen::all)).transpose() * signature;
+    const Eigen::MatrixXd basis_shown = q(shown, Eigen::all);
+    const Eigen::MatrixXd absorbed = basis_shown.transpose() * signature;
+    {
+      const Eigen::VectorXd own_signature = plain(shown);
+      const double size = own_signature.squaredNorm();
+      const double left = size - (basis_shown.transpose() * own_signature).squaredNorm();
+      const double pull = own_signature.dot(fit.residual(shown));
+      if (left > least_survival * size) constant[k] = pull * pull / left;
+    }
     const Eigen::VectorXd right = signature.transpose() * fit.residual(shown);
     next = 0;
     for (const Pattern* p : own) {
@@ -279,7 +288,16 @@ Variation strongest_variation(const ForwardModel& model, const Refit& fit,
       strongest = k;
   }
   Variation variation = std::move(best[strongest]);
-  variation.p_global = std::min(1.0, least_p[strongest] * static_cast<double>(tests));
+  // What a known effect that is constant does as well, though not enough to be named, is no sign of
+  // one that is not.
+  const double known = *std::max_element(constant.begin(), constant.end());
+  double chance = least_p[strongest];
+  if (known > known_gain) {
+    const double beyond = std::max(0.0, variation.gain - known);
+    chance = variation.signature.cols() == 1 ? std::erfc(std::sqrt(0.5 * beyond))
+                                             : std::exp(-0.5 * beyond);
+  }
+  variation.p_global = std::min(1.0, chance * static_cast<double>(tests));
   return variation;
 }
 

@@ -32,8 +32,9 @@ Variation slow_wander(const ForwardModel& model, const Refit& fit, const Whiteni
                       double noise_scale);
 
 /// Looks at each effect (structure apart), each base parameter and the signal itself, switched on
-/// and off with each of the observations' circumstances. `fit` must be a minimum.
+/// and off with each of the observations' circumstances. `fit` must be a minimum. `known_gain`: Δχ²
+/// from which a known effect, constant as it should be, counts as a rival.
 Variation strongest_variation(const ForwardModel& model, const Refit& fit,
-                              const Whitening& whitening, int threads);
+                              const Whitening& whitening, double known_gain, int threads);
 
 }  // namespace umov::gap

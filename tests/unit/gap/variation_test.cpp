@@ -106,7 +106,7 @@ class Bell final : public ForwardModel {
 Variation variation_of(const Bell& model) {
   const Whitening whitening(model.noise(model.observations().value));
   const Refit fit = refit(model, base_explanation(model), whitening);
-  return strongest_variation(model, fit, whitening, 1);
+  return strongest_variation(model, fit, whitening, 12, 1);
 }
 
 TEST(Variation, NoiseAloneSeldomLooksLikeOne) {
