@@ -49,6 +49,9 @@ struct Effect {
   bool structural = false;
   /// Of what is measured, not of the instrument.
   bool of_object = false;
+  /// Grows in proportion to its parameters from where it is absent: its derivatives there are its
+  /// signatures.
+  bool linear = false;
   /// The effect's possible signatures. Probes of one group act together (sine and cosine of an
   /// unknown phase); groups are alternatives (values of a parameter that shapes the signature).
   std::vector<std::vector<Probe>> probes = {};

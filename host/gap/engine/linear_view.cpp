@@ -45,6 +45,23 @@ bool one_sided(const Effect& effect, const std::vector<Probe>& group) {
   return false;
 }
 
+/// d mean / d parameter of an effect that is not in an explanation yet, where it is absent.
+Eigen::MatrixXd linear_signatures(const ForwardModel& model, const Refit& at, std::size_t effect) {
+  std::vector<double> absent;
+  for (const Parameter& p : model.effects()[effect].parameters) absent.push_back(p.absent);
+  const Explanation with = with_effect(at.explanation, effect, absent);
+  std::vector<bool> wanted(with.base.size(), false);
+  Eigen::Index first = 0;
+  for (std::size_t k = 0; k < with.effects.size(); ++k) {
+    if (with.effects[k] == effect) first = static_cast<Eigen::Index>(wanted.size());
+    wanted.insert(wanted.end(), with.alpha[k].size(), with.effects[k] == effect);
+  }
+  Eigen::VectorXd mean;
+  Eigen::MatrixXd jacobian;
+  model.predict(with, mean, &jacobian, wanted);
+  return jacobian.middleCols(first, static_cast<Eigen::Index>(absent.size()));
+}
+
 double ln_det(const Eigen::LDLT<Eigen::MatrixXd>& factor) {
   return factor.vectorD().cwiseAbs().array().max(1e-300).log().sum();
 }
@@ -77,7 +94,26 @@ LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whiteni
   const Eigen::Index probes = static_cast<Eigen::Index>(members_.size());
   Eigen::MatrixXd columns(observations, fitted_ + probes);
   columns.leftCols(fitted_) = at.jacobian(Eigen::all, at.free);
+  // Signatures in proportion to their parameters are derivatives, all of an effect at once.
+  std::vector<std::size_t> linear;
+  for (std::size_t e = 0; e < effects; ++e) {
+    const auto is_of = [e](const Member& m) { return m.effect == e; };
+    if (model.effects()[e].linear && std::any_of(members_.begin(), members_.end(), is_of))
+      linear.push_back(e);
+  }
+  for_each_index(linear.size(), threads, [&](std::size_t i) {
+    const Eigen::MatrixXd derivatives = linear_signatures(model, at, linear[i]);
+    for (std::size_t m = 0; m < members_.size(); ++m) {
+      if (members_[m].effect != linear[i]) continue;
+      const Eigen::Map<const Eigen::VectorXd> probe(
+          members_[m].probe.data(), static_cast<Eigen::Index>(members_[m].probe.size()));
+      const Eigen::VectorXd signature = whitening.apply(derivatives * probe);
+      columns.col(fitted_ + static_cast<Eigen::Index>(m)) =
+          signature.allFinite() ? signature : Eigen::VectorXd(Eigen::VectorXd::Zero(observations));
+    }
+  });
   for_each_index(members_.size(), threads, [&](std::size_t i) {
+    if (model.effects()[members_[i].effect].linear) return;
     Eigen::VectorXd shifted;
     model.predict(with_effect(at.explanation, members_[i].effect, members_[i].probe), shifted,
                   nullptr);
@@ -92,10 +128,10 @@ LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whiteni
   std::vector<std::vector<Eigen::Index>> rows(static_cast<std::size_t>(count));
   for (std::size_t i = 0; i < fold.size(); ++i)
     rows[static_cast<std::size_t>(fold[i])].push_back(static_cast<Eigen::Index>(i));
-  all_.matrix = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
-  all_.right = Eigen::VectorXd::Zero(columns.cols());
+  all_.matrix = Eigen::MatrixXd::Zero(fitted_, fitted_);
+  all_.right = Eigen::VectorXd::Zero(fitted_);
   for (const auto& list : rows) {
-    folds_.push_back(normal_of(columns, residual, list));
+    folds_.push_back(normal_of(columns.leftCols(fitted_), residual, list));
     all_.matrix += folds_.back().matrix;
     all_.right += folds_.back().right;
     all_.square += folds_.back().square;
@@ -103,9 +139,9 @@ LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whiteni
 
   // The priors of fitted parameters: precision less what the data say (both in at.precision).
   base_prior_ = at.prior_precision(at.free);
-  all_.matrix.diagonal().head(fitted_) += base_prior_;
+  all_.matrix.diagonal() += base_prior_;
   // A minimum of the whole: what the data pull is what the priors hold.
-  all_.right.head(fitted_).setZero();
+  all_.right.setZero();
 
   // What the fitted parameters leave of the signatures, by orthogonal projection (normal equations
   // would lose half of the digits). Priors are further observations, of the parameters themselves.
@@ -133,9 +169,8 @@ LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whiteni
       reduced_right_[i] = 0;
     }
   }
-  left_by_everything_ = residual;
-  rank_of_everything_ = static_cast<double>(factor.rank());
-  if (probes == 0) return;
+  residual_ = residual;
+  fitted_rank_ = static_cast<double>(factor.rank());
   for (Eigen::Index i = 0; i < probes; ++i) {
     const double size = left.col(i).norm();
     if (reduced_(i, i) > 0) {
@@ -144,13 +179,18 @@ LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whiteni
       left.col(i).setZero();
     }
   }
+  left_ = left.topRows(observations);
+}
+
+LinearView::Left LinearView::left_by_everything() const {
+  if (left_.cols() == 0) return {residual_, fitted_rank_};
   // Signatures of alternatives repeat each other.
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> catalogue(left.topRows(observations));
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> catalogue(left_);
   catalogue.setThreshold(1e-4);
   const Eigen::MatrixXd span =
-      catalogue.householderQ() * Eigen::MatrixXd::Identity(observations, catalogue.rank());
-  left_by_everything_ -= span * (span.transpose() * residual);
-  rank_of_everything_ += static_cast<double>(catalogue.rank());
+      catalogue.householderQ() * Eigen::MatrixXd::Identity(left_.rows(), catalogue.rank());
+  return {residual_ - span * (span.transpose() * residual_),
+          fitted_rank_ + static_cast<double>(catalogue.rank())};
 }
 
 LinearView::Normal LinearView::normal_of(const Eigen::MatrixXd& columns,

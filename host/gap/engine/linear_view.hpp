@@ -31,6 +31,7 @@ struct LinearFit {
 class LinearView {
  public:
   /// `at` must be a minimum. `with_candidates` false: only what is fitted, for held_out_by_fold().
+  /// Without folds nothing can be withheld.
   LinearView(const ForwardModel& model, const Refit& at, const Whitening& whitening,
              const std::vector<int>& fold, bool with_candidates = true, int threads = 1);
 
@@ -48,8 +49,11 @@ class LinearView {
   std::vector<double> null_maxima(int draws, std::uint64_t seed) const;
   /// Whitened residual that all candidates together leave, and how many degrees of freedom they and
   /// the fitted parameters take: noise, as far as the catalogue knows.
-  const Eigen::VectorXd& left_by_everything() const { return left_by_everything_; }
-  double rank_of_everything() const { return rank_of_everything_; }
+  struct Left {
+    Eigen::VectorXd residual;
+    double rank;
+  };
+  Left left_by_everything() const;
 
  private:
   struct Normal {
@@ -81,8 +85,9 @@ class LinearView {
   Eigen::MatrixXd reduced_;     ///< signatures' Gram matrix, fitted parameters projected out
   Eigen::VectorXd reduced_right_;
   Eigen::Index fitted_ = 0;
-  Eigen::VectorXd left_by_everything_;
-  double rank_of_everything_ = 0;
+  Eigen::VectorXd residual_;
+  Eigen::MatrixXd left_;  ///< signatures of unit length, fitted parameters projected out
+  double fitted_rank_ = 0;
 };
 
 }  // namespace umov::gap

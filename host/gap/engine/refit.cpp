@@ -73,8 +73,10 @@ bool pushes_outwards(const Flat& flat, const Eigen::VectorXd& value,
   return (value[i] <= p.lo && gradient[i] < 0) || (value[i] >= p.hi && gradient[i] > 0);
 }
 
-/// Step of the damped normal equations with the parameters at a bound, that it would push outwards,
-/// held.
+/// Step of the damped normal equations within the bounds: parameters at a bound that it would push
+/// outwards are held, those that it would take across one go up to it, and the others are solved for
+/// with these in place. Cut off one by one, a step of parameters that make up for each other would
+/// lead uphill.
 Eigen::VectorXd bounded_step(const Flat& flat, const Eigen::VectorXd& value,
                              const Eigen::MatrixXd& precision, const Eigen::VectorXd& gradient,
                              double damping) {
@@ -84,13 +86,26 @@ Eigen::VectorXd bounded_step(const Flat& flat, const Eigen::VectorXd& value,
     if (!pushes_outwards(flat, value, gradient, i) && precision(i, i) > 0) free.push_back(i);
   }
   Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
-  if (free.empty()) return step;
-  // Scaled by the diagonal: parameters differ by ten orders of magnitude.
-  const Eigen::VectorXd scale = precision(free, free).diagonal().cwiseSqrt().cwiseInverse();
-  Eigen::MatrixXd scaled = scale.asDiagonal() * precision(free, free) * scale.asDiagonal();
-  scaled.diagonal().array() += damping + 1e-12;
-  const Eigen::VectorXd right = scale.cwiseProduct(gradient(free));
-  step(free) = scale.cwiseProduct(scaled.ldlt().solve(right));
+  while (!free.empty()) {
+    // Scaled by the diagonal: parameters differ by ten orders of magnitude.
+    const Eigen::VectorXd scale = precision(free, free).diagonal().cwiseSqrt().cwiseInverse();
+    Eigen::MatrixXd scaled = scale.asDiagonal() * precision(free, free) * scale.asDiagonal();
+    scaled.diagonal().array() += damping + 1e-12;
+    step(free).setZero();
+    const Eigen::VectorXd left = gradient - precision * step;
+    step(free) = scale.cwiseProduct(scaled.ldlt().solve(scale.cwiseProduct(left(free))));
+    std::vector<Eigen::Index> inside;
+    for (const Eigen::Index i : free) {
+      const Parameter& p = *flat.parameter[static_cast<std::size_t>(i)];
+      if (value[i] + step[i] >= p.lo && value[i] + step[i] <= p.hi) {
+        inside.push_back(i);
+      } else {
+        step[i] = std::clamp(value[i] + step[i], p.lo, p.hi) - value[i];
+      }
+    }
+    if (inside.size() == free.size()) break;
+    free = std::move(inside);
+  }
   return step;
 }
 

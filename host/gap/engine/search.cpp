@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <set>
@@ -107,6 +108,19 @@ class Beam {
   std::map<Set, double> known_;
 };
 
+/// The explanation with a set of a view's candidates at their best coefficients.
+Explanation with_candidates(Explanation explanation, const LinearView& view, const Set& set) {
+  const LinearFit fit = view.fit(set);
+  Eigen::Index first = 0;
+  for (const std::size_t c : set) {
+    const auto n = static_cast<Eigen::Index>(view.candidates()[c].columns.size());
+    explanation = with_effect(explanation, view.candidates()[c].effect,
+                              view.alpha(c, fit.coefficient.segment(first, n)));
+    first += n;
+  }
+  return explanation;
+}
+
 /// Of a refit in the search.
 constexpr int most_iterations = 8;
 /// ln of the odds against the best beyond which a hypothesis need not be settled to the last digit.
@@ -152,11 +166,12 @@ Refit base_fit(const ForwardModel& whole, int threads) {
   return refit(whole, best.explanation, Whitening(whole.noise(mean)));
 }
 
-/// Takes structural effects in, one at a time, for as long as the best of them takes away much of a
-/// misfit that dwarfs the noise: among small effects a search could not see the wood for the trees.
+/// Takes structural effects in, one at a time, for as long as the best of them takes away what
+/// dwarfs the noise: among small effects a search could not see the wood for the trees.
 ///
-/// It stops where one of the others alone would do more: a small effect far out of its usual size
-/// is no reason to bend the model. `carrying`: those whose misfit was several times the rest.
+/// It stops where a few of the others together are the better explanation: a small effect far out of
+/// its usual size is no reason to bend the model. `carrying`: those whose misfit was several times
+/// the rest.
 Refit with_structure(const ForwardModel& whole, Refit centre, const SearchOptions& options,
                      std::vector<std::size_t>& carrying) {
   const std::unique_ptr<ForwardModel> few = whole.thinned(most_to_find_the_way);
@@ -166,12 +181,17 @@ Refit with_structure(const ForwardModel& whole, Refit centre, const SearchOption
     model.predict(centre.explanation, mean, nullptr);
     centre = refit(model, centre.explanation, Whitening(model.noise(mean)));
   }
-  constexpr double dwarfed = 1.5;     // χ² over the number of observations
-  constexpr double worthwhile = 0.9;  // χ² with over without
+  constexpr double dwarfed = 1.2;  // χ² over the number of observations
   constexpr double several = 3;
   constexpr int first_look = 10;  // iterations for all
   constexpr std::size_t finalists = 4;
+  constexpr std::size_t most_sets = 3;  // of effects that are not structural
   const double ln_odds = log_prior_odds(model, options);
+  SearchOptions small_only = options;
+  small_only.beam = 4;
+  small_only.max_effects = std::min<std::size_t>(3, options.max_effects);
+  for (std::size_t e = 0; e < model.effects().size(); ++e)
+    if (model.effects()[e].structural) small_only.without.push_back(e);
   for (std::size_t round = 0; round < options.max_structure; ++round) {
     const Whitening whitening(model.noise(centre.mean));
     centre = refit(model, centre.explanation, whitening);
@@ -188,11 +208,25 @@ Refit with_structure(const ForwardModel& whole, Refit centre, const SearchOption
       for (const auto& group : effect.probes)
         starts.push_back(with_effect(centre.explanation, e, group.front()));
     }
+    const std::size_t structural = starts.size();
+    {
+      const LinearView view(model, centre, whitening, {}, true, options.threads);
+      Beam beam(view, small_only, ln_odds, 0);
+      for (const Scored& scored : beam.run()) {
+        if (starts.size() >= structural + most_sets) break;
+        if (scored.set.empty()) continue;
+        starts.push_back(with_candidates(centre.explanation, view, scored.set));
+      }
+    }
     std::vector<Refit> fits(starts.size());
     const auto cost = [](const Refit& fit) { return fit.chi2 + fit.penalty; };
     for_each_index(starts.size(), options.threads, [&](std::size_t i) {
       fits[i] = refit(model, starts[i], whitening, first_look);
     });
+    std::vector<Refit> rivals(std::make_move_iterator(fits.begin() +
+                                                      static_cast<std::ptrdiff_t>(structural)),
+                              std::make_move_iterator(fits.end()));
+    fits.resize(structural);
     // The best of each effect go on to the end.
     std::stable_sort(fits.begin(), fits.end(),
                      [&](const Refit& a, const Refit& b) { return cost(a) < cost(b); });
@@ -207,18 +241,22 @@ Refit with_structure(const ForwardModel& whole, Refit centre, const SearchOption
     // much they had to be bent, not by how well they fit.
     double least = cost(centre);
     for (const Refit& fit : fits) least = std::min(least, cost(fit));
+    for (const Refit& fit : rivals) least = std::min(least, cost(fit));
     const double inflation = std::max(1.0, least / n);
+    const auto score = [&](const Refit& fit) {
+      return log_evidence(model, fit, inflation) +
+             ln_odds * static_cast<double>(fit.explanation.effects.size());
+    };
     const Refit* best = nullptr;
-    double best_score = -1e300;
+    double best_score = score(centre);
     for (const Refit& fit : fits) {
-      const double score = log_evidence(model, fit, inflation) +
-                           ln_odds * static_cast<double>(fit.explanation.effects.size());
-      if (score > best_score) {
-        best_score = score;
-        best = &fit;
-      }
+      if (score(fit) <= best_score) continue;
+      best_score = score(fit);
+      best = &fit;
     }
-    if (best == nullptr || best->chi2 > worthwhile * centre.chi2) break;
+    const bool outdone = std::any_of(rivals.begin(), rivals.end(),
+                                     [&](const Refit& fit) { return score(fit) >= best_score; });
+    if (best == nullptr || outdone) break;
     if (best->chi2 * several < centre.chi2)
       for (const std::size_t e : best->explanation.effects)
         if (std::find(centre.explanation.effects.begin(), centre.explanation.effects.end(), e) ==
@@ -289,8 +327,7 @@ SearchResult search(const ForwardModel& model, const SearchOptions& options) {
     // Noise that is not known beforehand is what the whole catalogue together cannot explain.
     const LinearView view(model, centre, whitening, result.fold, true, options.threads);
     const NoiseShape& shape = whitening.shape();
-    const Eigen::VectorXd left = view.left_by_everything();
-    const double rank = view.rank_of_everything();
+    const auto [left, rank] = view.left_by_everything();
     if (!model.noise_is_known())
       result.noise_scale =
           std::sqrt(left.squaredNorm() / (static_cast<double>(left.size()) - rank));
@@ -344,16 +381,7 @@ SearchResult search(const ForwardModel& model, const SearchOptions& options) {
     };
     for (const Scored& scored : beam.run()) {
       if (tasks.size() >= options.refits) break;
-      Explanation explanation = at.refit.explanation;
-      const LinearFit fit = view.fit(scored.set);
-      Eigen::Index first = 0;
-      for (const std::size_t c : scored.set) {
-        const auto n = static_cast<Eigen::Index>(view.candidates()[c].columns.size());
-        explanation = with_effect(explanation, view.candidates()[c].effect,
-                                  view.alpha(c, fit.coefficient.segment(first, n)));
-        first += n;
-      }
-      add_task(std::move(explanation));
+      add_task(with_candidates(at.refit.explanation, view, scored.set));
     }
     // Backward: each effect of the centre on trial.
     for (const std::size_t e : from) {

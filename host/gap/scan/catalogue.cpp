@@ -354,19 +354,74 @@ class Catalogue {
                "Li and Torrance 2005", std::move(parameters), std::move(probes));
   }
 
-  void free_form(EffectId id, const char* family, const char* physics, std::size_t terms,
-                 double usual) {
+  /// `usual`: of each term.
+  void free_form(EffectId id, const char* family, const char* physics,
+                 const std::vector<double>& usual) {
     std::vector<Parameter> parameters;
     std::vector<Probe> probes;
-    for (std::size_t i = 0; i < terms; ++i) {
-      Parameter p = signed_number("", "1", "coefficient of the series", usual, 20 * usual);
+    for (std::size_t i = 0; i < usual.size(); ++i) {
+      Parameter p =
+          signed_number("", "1", "coefficient of the series", usual[i], 20 * usual.front());
       p.name = fmt::format("term_{}", i + 1);
       parameters.push_back(p);
-      Probe probe(terms, 0.0);
+      Probe probe(usual.size(), 0.0);
       probe[i] = 1e-3;
       probes.push_back(probe);
     }
     add_family(id, family, physics, "a smooth series", std::move(parameters), {std::move(probes)});
+  }
+
+  /// Sizes of a series of products: smooth ones are the rule, so that fine terms are small ones.
+  static std::vector<double> falling(SeriesId id, double usual) {
+    std::vector<double> sizes;
+    for_each_product(id, [&](std::size_t, std::size_t k, std::size_t l) {
+      sizes.push_back(usual / (1.0 + 0.25 * static_cast<double>(k * k + l * l)));
+    });
+    return sizes;
+  }
+
+  void free_forms() {
+    const std::size_t wavelengths = scale_.wavelengths_nm.size();
+    const auto joined = [](std::vector<double> sizes, std::size_t more, double usual) {
+      sizes.insert(sizes.end(), more, usual);
+      return sizes;
+    };
+    const auto repeated = [&](const std::vector<double>& sizes) {
+      std::vector<double> all;
+      for (std::size_t w = 0; w < wavelengths; ++w)
+        all.insert(all.end(), sizes.begin(), sizes.end());
+      return all;
+    };
+    free_form(EffectId::free_slopes, "free-slopes", "A density of slopes of any smooth shape.",
+              std::vector<double>(slope_terms, 0.1));
+    free_form(EffectId::fine_slopes, "fine-slopes",
+              "A density of slopes with humps and edges: slopes that a finish prefers.",
+              std::vector<double>(fine_slope_terms, 0.1));
+    free_form(EffectId::free_lobe, "free-lobe",
+              "A lobe whose shape and polarisation change with the angle between the beams, and "
+              "its width by wavelength.",
+              joined(falling(SeriesId::growth, 0.3), lobe_extra + wavelengths, 0.2));
+    free_form(EffectId::spectral_lobe, "spectral-lobe",
+              "A lobe whose height and shape follow the wavelength, as where roughness is not "
+              "large against it.",
+              repeated(falling(SeriesId::spectral_lobe, 0.1)));
+    std::vector<double> diffuse = falling(SeriesId::diffuse_shape, 0.3);
+    const std::vector<double> kept = falling(SeriesId::kept, 0.1);
+    diffuse.insert(diffuse.end(), kept.begin(), kept.end());
+    free_form(EffectId::free_diffuse, "free-diffuse",
+              "Diffuse light of any smooth reciprocal shape, partly polarised.",
+              joined(diffuse, diffuse_extra, 0.1));
+    free_form(EffectId::spectral_diffuse, "spectral-diffuse",
+              "Diffuse light whose shape follows the wavelength: the less is absorbed, the more "
+              "often it is scattered.",
+              repeated(falling(SeriesId::spectral_diffuse, 0.1)));
+    add_family(EffectId::anisotropic_slopes, "anisotropic",
+               "Slopes larger along one direction of the surface than across it, as grinding "
+               "leaves them.",
+               "Gaussian slopes with two widths",
+               {signed_number("ln_ratio", "1", "ln of the slope across over that along", 0.5, 2),
+                shaping("turn_deg", "deg", "of the axis from the plane of incidence", -90, 90)},
+               {{{0.02, 0.0}}, {{-0.02, 0.0}}, {{0.02, 45.0}}, {{0.02, -45.0}}});
   }
 
   void reflectance() {
@@ -391,20 +446,19 @@ class Catalogue {
     spectral_family(EffectId::polarised_diffuse, "polarised-diffuse",
                     "Diffuse light that keeps part of its polarisation.",
                     "few scatterings below the surface", 0.01);
-    free_form(EffectId::free_slopes, "free-slopes", "A density of slopes of any smooth shape.",
-              slope_terms, 0.1);
-    free_form(EffectId::free_lobe, "free-lobe",
-              "A lobe whose height, width and polarisation change with the angle between the "
-              "beams, and its width by wavelength.",
-              lobe_terms + scale_.wavelengths_nm.size(), 0.2);
-    free_form(EffectId::free_diffuse, "free-diffuse",
-              "Diffuse light of any smooth reciprocal shape, partly polarised.", diffuse_terms,
-              0.2);
+    free_forms();
     for (const EffectId id :
-         {EffectId::free_slopes, EffectId::free_lobe, EffectId::free_diffuse, EffectId::long_tails,
-          EffectId::second_roughness, EffectId::forward_lobe, EffectId::volume_diffuse,
-          EffectId::interface_diffuse, EffectId::polarised_diffuse})
+         {EffectId::free_slopes, EffectId::fine_slopes, EffectId::free_lobe,
+          EffectId::spectral_lobe, EffectId::free_diffuse, EffectId::spectral_diffuse,
+          EffectId::anisotropic_slopes, EffectId::long_tails, EffectId::second_roughness,
+          EffectId::forward_lobe, EffectId::volume_diffuse, EffectId::interface_diffuse,
+          EffectId::polarised_diffuse})
       effects_[number(id)].structural = true;
+    for (const EffectId id : {EffectId::free_slopes, EffectId::fine_slopes, EffectId::free_lobe,
+                              EffectId::spectral_lobe, EffectId::free_diffuse,
+                              EffectId::spectral_diffuse, EffectId::volume_diffuse,
+                              EffectId::interface_diffuse, EffectId::polarised_diffuse})
+      effects_[number(id)].linear = true;
   }
 
   const Scale& scale_;

@@ -52,8 +52,12 @@ enum class EffectId : std::size_t {
   interface_diffuse,
   polarised_diffuse,
   free_slopes,
+  fine_slopes,
   free_lobe,
+  spectral_lobe,
   free_diffuse,
+  spectral_diffuse,
+  anisotropic_slopes,
   count
 };
 
@@ -63,10 +67,26 @@ constexpr std::size_t number(EffectId id) {
   return static_cast<std::size_t>(id);
 }
 
+/// Series whose sum is all that their coefficients act by.
+enum class SeriesId : std::size_t {
+  slopes,
+  fine_slopes,
+  growth,
+  spectral_lobe,
+  diffuse_shape,
+  kept,
+  spectral_diffuse,
+  count
+};
+
+inline constexpr std::size_t series_count = static_cast<std::size_t>(SeriesId::count);
+
 /// Parameter values of the effects that are switched on; null elsewhere.
 template <class T>
 struct Switched {
   std::array<const T*, effect_count> values{};
+  /// Added to the sum of a series: its derivative is that of every coefficient, over its term.
+  std::array<const T*, series_count> lift{};
   std::size_t wavelengths = 0;  ///< of the scan: effects with a number for each begin with these
   const T* operator[](EffectId id) const { return values[number(id)]; }
 };

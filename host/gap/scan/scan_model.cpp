@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <string_view>
+#include <span>
 
 #include <ceres/jet.h>
 #include <fmt/format.h>
@@ -13,6 +14,7 @@
 #include "host/errors/error.hpp"
 #include "host/formats/fit_file.hpp"
 #include "host/gap/scan/chain.hpp"
+#include "host/gap/scan/effects/free_form.hpp"
 #include "host/gap/scan/substance.hpp"
 #include "host/invert/invert.hpp"
 #include "host/optics/angles.hpp"
@@ -207,8 +209,13 @@ std::vector<Circumstance> ScanModel::circumstances() const {
 
 void ScanModel::make_observations() {
   used_.clear();
-  for (std::size_t i = 0; i < records_.records.size(); ++i)
-    if (!records_.records[i].saturated) used_.push_back(i);
+  facet_frames_.clear();
+  for (std::size_t i = 0; i < records_.records.size(); ++i) {
+    const Record& r = records_.records[i];
+    if (!r.saturated) used_.push_back(i);
+    facet_frames_.push_back(
+        brdf::facet_frame(brdf::Geometry<double>{r.theta_i, r.theta_r, r.phi_r}));
+  }
   observations_ = {};
   const auto n = static_cast<Eigen::Index>(used_.size());
   observations_.value.resize(2 * n);
@@ -221,8 +228,7 @@ void ScanModel::make_observations() {
       const Record& r = records_.records[used_[static_cast<std::size_t>(i)]];
       observations_.value[part * n + i] = part == 0 ? r.x_v : r.y_v;
       observations_.row.push_back(r.row);
-      const brdf::FacetFrame<double> f =
-          brdf::facet_frame(brdf::Geometry<double>{r.theta_i, r.theta_r, r.phi_r});
+      const brdf::FacetFrame<double>& f = facet_frames_[used_[static_cast<std::size_t>(i)]];
       const std::array<double, 8> coordinates = {optics::degrees(r.theta_i),
                                                  optics::degrees(r.theta_r),
                                                  optics::degrees(std::acos(std::min(1.0, f.cos_h))),
@@ -266,6 +272,8 @@ void ScanModel::evaluate(const Explanation& explanation, const std::vector<T>& v
     mixes = mixes || explanation.effects[k] == number(EffectId::laser_crosstalk) ||
             explanation.effects[k] == number(EffectId::wavelength_error);
   }
+  // Behind the parameters: what is added to the sum of each series.
+  for (std::size_t s = 0; next + s < values.size(); ++s) on.lift[s] = &values[next + s];
   std::array<Material<T>, most_wavelengths> materials{};
   thread_local std::vector<T> own;
   own.resize(wavelengths * parameters);
@@ -325,6 +333,7 @@ void ScanModel::predict(const Explanation& explanation, Eigen::VectorXd& mean,
   }
   jacobian->setZero(2 * n, static_cast<Eigen::Index>(values.size()));
   const std::size_t wavelengths = source_.size();
+  const std::size_t parameters = values.size();
   bool mixes = false;
   for (const std::size_t e : explanation.effects)
     mixes =
@@ -333,29 +342,42 @@ void ScanModel::predict(const Explanation& explanation, Eigen::VectorXd& mean,
     const Parameter& p = base_[static_cast<std::size_t>(i)];
     return p.lo < p.hi;
   };
+  // The coefficients of a series act by its sum alone: one derivative, to what is added to the sum,
+  // serves them all.
+  const std::vector<SeriesColumns> series = series_of(explanation);
+  std::vector<bool> in_series(parameters, false);
+  for (const SeriesColumns& s : series)
+    for (std::size_t i = 0; i < s.columns; ++i) in_series[s.first + i] = true;
+  values.resize(parameters + (series.empty() ? 0 : series_count), 0.0);
   // Parameters that a record of each wavelength depends on; those that turn angles come last: only
   // they need angles with derivatives.
   std::vector<std::vector<std::size_t>> active(wavelengths);
   std::vector<std::size_t> own_of(wavelengths);
   for (std::size_t w = 0; w < wavelengths; ++w) {
-    std::vector<bool> there(values.size(), false);
+    std::vector<bool> there(parameters, false);
     there[w] = true;
     for (std::size_t v = 0; v < wavelengths; ++v)
       if (mixes || v == w)
         for (const int from : source_[v])
           if (from >= 0) there[static_cast<std::size_t>(from)] = is_free(from);
-    for (std::size_t i = base_.size(); i < values.size(); ++i) there[i] = fitted[i];
-    for (std::size_t i = 0; i < values.size(); ++i)
+    for (std::size_t i = base_.size(); i < parameters; ++i) there[i] = fitted[i] && !in_series[i];
+    for (std::size_t i = 0; i < parameters; ++i)
       if (there[i] && (wanted.empty() || wanted[i])) active[w].push_back(i);
-    const auto first_turning = std::stable_partition(active[w].begin(), active[w].end(),
-                                                     [&](std::size_t i) { return !turns[i]; });
+    for (const SeriesColumns& s : series)
+      if (wanted.empty() || wanted[s.first])
+        active[w].push_back(parameters + static_cast<std::size_t>(s.id));
+    const auto first_turning = std::stable_partition(
+        active[w].begin(), active[w].end(),
+        [&](std::size_t i) { return i >= parameters || !turns[i]; });
     own_of[w] = static_cast<std::size_t>(first_turning - active[w].begin());
   }
   std::vector<Dual> dual(values.size());
+  std::vector<Term> terms(most_terms);
   for (Eigen::Index i = 0; i < n; ++i) {
     const std::size_t record = used_[static_cast<std::size_t>(i)];
-    const auto& list = active[records_.records[record].wavelength];
-    const std::size_t own = own_of[records_.records[record].wavelength];
+    const Record& r = records_.records[record];
+    const auto& list = active[r.wavelength];
+    const std::size_t own = own_of[r.wavelength];
     if (list.empty()) {
       evaluate(explanation, values, values, record, mean[i], mean[n + i], bent);
       continue;
@@ -374,14 +396,49 @@ void ScanModel::predict(const Explanation& explanation, Eigen::VectorXd& mean,
       mean[i] = x.a;
       mean[n + i] = y.a;
       for (std::size_t k = first; k < last; ++k) {
-        (*jacobian)(i, static_cast<Eigen::Index>(list[k])) =
-            x.v[static_cast<Eigen::Index>(k - first)];
-        (*jacobian)(n + i, static_cast<Eigen::Index>(list[k])) =
-            y.v[static_cast<Eigen::Index>(k - first)];
+        const double by_x = x.v[static_cast<Eigen::Index>(k - first)];
+        const double by_y = y.v[static_cast<Eigen::Index>(k - first)];
+        if (list[k] < parameters) {
+          (*jacobian)(i, static_cast<Eigen::Index>(list[k])) = by_x;
+          (*jacobian)(n + i, static_cast<Eigen::Index>(list[k])) = by_y;
+          continue;
+        }
+        const SeriesColumns& s = *std::find_if(series.begin(), series.end(), [&](const auto& c) {
+          return parameters + static_cast<std::size_t>(c.id) == list[k];
+        });
+        // At the commanded angles: what bends them is small against a term's width.
+        const Series& declared = all_series[static_cast<std::size_t>(s.id)];
+        const std::span<Term> used = std::span<Term>(terms).first(declared.terms);
+        series_basis(s.id, slope_at(values, r.wavelength), facet_frames_[record], used);
+        const std::size_t column =
+            s.first + (declared.spectral ? r.wavelength * declared.terms : 0);
+        for (std::size_t j = 0; j < declared.terms; ++j) {
+          (*jacobian)(i, static_cast<Eigen::Index>(column + j)) = by_x * used[j].value;
+          (*jacobian)(n + i, static_cast<Eigen::Index>(column + j)) = by_y * used[j].value;
+        }
       }
       first = last;
     }
   }
+}
+
+std::vector<ScanModel::SeriesColumns> ScanModel::series_of(const Explanation& explanation) const {
+  std::vector<SeriesColumns> found;
+  std::size_t next = base_.size();
+  for (std::size_t k = 0; k < explanation.effects.size(); ++k) {
+    for (const Series& s : all_series)
+      if (number(s.effect) == explanation.effects[k])
+        found.push_back({s.id, next + s.first, s.terms * (s.spectral ? source_.size() : 1)});
+    next += explanation.alpha[k].size();
+  }
+  return found;
+}
+
+double ScanModel::slope_at(const std::vector<double>& values, std::size_t wavelength) const {
+  if (lobe_ < 0) return 1.0;
+  const std::size_t slope = static_cast<std::size_t>(lobe_) + 2;
+  const int from = source_[wavelength][slope];
+  return from < 0 ? held_[slope] : values[static_cast<std::size_t>(from)];
 }
 
 std::vector<std::vector<double>> ScanModel::further_starts() const {

@@ -7,10 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "host/brdf/facet.hpp"
 #include "host/brdf/model.hpp"
 #include "host/calibrate/noise.hpp"
 #include "host/formats/scan_table.hpp"
 #include "host/gap/engine/forward_model.hpp"
+#include "host/gap/scan/effect_list.hpp"
 #include "host/gap/scan/knowledge.hpp"
 #include "host/gap/scan/record.hpp"
 
@@ -59,7 +61,17 @@ class ScanModel : public ForwardModel {
   void evaluate(const Explanation& explanation, const std::vector<T>& values,
                 const std::vector<A>& angles, std::size_t record, T& x, T& y, bool bent) const;
 
+  /// Columns of derivatives that a series of an explanation takes.
+  struct SeriesColumns {
+    SeriesId id;
+    std::size_t first, columns;
+  };
+  std::vector<SeriesColumns> series_of(const Explanation& explanation) const;
+  /// rms slope of the base's lobe.
+  double slope_at(const std::vector<double>& values, std::size_t wavelength) const;
+
   ScanRecords records_;
+  std::vector<brdf::FacetFrame<double>> facet_frames_;  ///< of every record as commanded
   std::vector<std::size_t> used_;  ///< numbers of the records that count
   brdf::Model model_;
   int lobe_ = -1;

@@ -30,6 +30,23 @@ T water_transmittance(const A& cosine) {
   return T(optics::transmittance(A(water_index), A(0.0), cosine));
 }
 
+/// The base's lobe `p` made anisotropic: its slopes along an axis that is turned by e[1] degrees from
+/// the plane of incidence stay, those across it are e^e[0] times as large.
+template <class T, class A>
+void add_anisotropic(optics::Mueller<T>& m, const T* p, const T* e, const brdf::FacetFrame<A>& f) {
+  using std::cos;
+  using std::exp;
+  using std::sin;
+  const T turn = e[1] * optics::radians(1.0), ratio = exp(e[0]);
+  const T along = cos(turn) * f.half_x + sin(turn) * f.half_y;
+  const T across = (cos(turn) * f.half_y - sin(turn) * f.half_x) / ratio;
+  const A cos2 = f.cos_h * f.cos_h;
+  const T density = exp(T(-0.5 * (along * along + across * across) / (p[2] * p[2]))) /
+                    (2.0 * optics::pi * p[2] * p[2] * ratio * (cos2 * cos2)) *
+                    brdf::shadowing_factor(brdf::Shadowing::smith, p[2], std::span<const T>{}, f);
+  add_facets(m, p[0], p[1], T(p[3] * (density - gaussian_lobe(p[2], f))), f);
+}
+
 /// Mueller BRDF of the sample as it is.
 template <class T, class A>
 optics::Mueller<T> sample_mueller(const Material<T>& material, const brdf::Geometry<A>& geometry,
@@ -63,6 +80,7 @@ optics::Mueller<T> sample_mueller(const Material<T>& material, const brdf::Geome
       add_facets(m, p[0], p[1], T(e[0] * p[3] * (gaussian_lobe(other, f) - gaussian_lobe(p[2], f))),
                  f);
     }
+    if (const T* e = on[EffectId::anisotropic_slopes]) add_anisotropic(m, p, e, f);
     if (const T* e = on[EffectId::near_specular_lobe])
       add_facets(m, p[0], p[1], T(e[0] * gaussian_lobe(e[1], f)), f);
     if (const T* e = on[EffectId::interface_diffuse]) {
