@@ -280,9 +280,13 @@ Refit refit(const ForwardModel& model, const Explanation& start, const Whitening
   }
   best.prior_precision = weight;
   const Eigen::VectorXd gradient = gradient_of(now);
-  for (Eigen::Index i = 0; i < value.size(); ++i)
-    if (best.precision(i, i) > 0 && !pushes_outwards(flat, value, gradient, i))
-      best.free.push_back(i);
+  // At a bound a parameter rests, unless the next step would take it away.
+  const Eigen::VectorXd next = bounded_step(flat, value, best.precision, gradient, 1e-9);
+  for (Eigen::Index i = 0; i < value.size(); ++i) {
+    const Parameter& p = *flat.parameter[static_cast<std::size_t>(i)];
+    const bool rests = next[i] == 0 && (value[i] <= p.lo || value[i] >= p.hi);
+    if (best.precision(i, i) > 0 && !rests) best.free.push_back(i);
+  }
   best.jacobian = std::move(jacobian);
   best.mean = std::move(now.mean);
   best.residual = std::move(now.residual);
