@@ -74,9 +74,9 @@ bool pushes_outwards(const Flat& flat, const Eigen::VectorXd& value,
 }
 
 /// Step of the damped normal equations within the bounds: parameters at a bound that it would push
-/// outwards are held, those that it would take across one go up to it, and the others are solved for
-/// with these in place. Cut off one by one, a step of parameters that make up for each other would
-/// lead uphill.
+/// outwards are held, those that it would take across one go up to it, and the others are solved
+/// for with these in place. Cut off one by one, a step of parameters that make up for each other
+/// would lead uphill.
 Eigen::VectorXd bounded_step(const Flat& flat, const Eigen::VectorXd& value,
                              const Eigen::MatrixXd& precision, const Eigen::VectorXd& gradient,
                              double damping) {

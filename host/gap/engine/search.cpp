@@ -169,9 +169,9 @@ Refit base_fit(const ForwardModel& whole, int threads) {
 /// Takes structural effects in, one at a time, for as long as the best of them takes away what
 /// dwarfs the noise: among small effects a search could not see the wood for the trees.
 ///
-/// It stops where a few of the others together are the better explanation: a small effect far out of
-/// its usual size is no reason to bend the model. `carrying`: those whose misfit was several times
-/// the rest.
+/// It stops where a few of the others together are the better explanation: a small effect far out
+/// of its usual size is no reason to bend the model. `carrying`: those whose misfit was several
+/// times the rest.
 Refit with_structure(const ForwardModel& whole, Refit centre, const SearchOptions& options,
                      std::vector<std::size_t>& carrying) {
   const std::unique_ptr<ForwardModel> few = whole.thinned(most_to_find_the_way);
@@ -223,9 +223,9 @@ Refit with_structure(const ForwardModel& whole, Refit centre, const SearchOption
     for_each_index(starts.size(), options.threads, [&](std::size_t i) {
       fits[i] = refit(model, starts[i], whitening, first_look);
     });
-    std::vector<Refit> rivals(std::make_move_iterator(fits.begin() +
-                                                      static_cast<std::ptrdiff_t>(structural)),
-                              std::make_move_iterator(fits.end()));
+    std::vector<Refit> rivals(
+        std::make_move_iterator(fits.begin() + static_cast<std::ptrdiff_t>(structural)),
+        std::make_move_iterator(fits.end()));
     fits.resize(structural);
     // The best of each effect go on to the end.
     std::stable_sort(fits.begin(), fits.end(),

@@ -422,6 +422,8 @@ class Catalogue {
                {signed_number("ln_ratio", "1", "ln of the slope across over that along", 0.5, 2),
                 shaping("turn_deg", "deg", "of the axis from the plane of incidence", -90, 90)},
                {{{0.02, 0.0}}, {{-0.02, 0.0}}, {{0.02, 45.0}}, {{0.02, -45.0}}});
+    // In the plane of incidence it is a lobe like any other.
+    if (!scale_.out_of_plane) effects_[number(EffectId::anisotropic_slopes)].probes.clear();
   }
 
   void reflectance() {
@@ -454,10 +456,10 @@ class Catalogue {
           EffectId::forward_lobe, EffectId::volume_diffuse, EffectId::interface_diffuse,
           EffectId::polarised_diffuse})
       effects_[number(id)].structural = true;
-    for (const EffectId id : {EffectId::free_slopes, EffectId::fine_slopes, EffectId::free_lobe,
-                              EffectId::spectral_lobe, EffectId::free_diffuse,
-                              EffectId::spectral_diffuse, EffectId::volume_diffuse,
-                              EffectId::interface_diffuse, EffectId::polarised_diffuse})
+    for (const EffectId id :
+         {EffectId::free_slopes, EffectId::fine_slopes, EffectId::free_lobe,
+          EffectId::spectral_lobe, EffectId::free_diffuse, EffectId::spectral_diffuse,
+          EffectId::volume_diffuse, EffectId::interface_diffuse, EffectId::polarised_diffuse})
       effects_[number(id)].linear = true;
   }
 

@@ -97,7 +97,8 @@ struct Scale {
   double largest_signal_v = 1;  ///< referred to range 1
   double typical_adc_v = 0.1;   ///< median size of a signal at the ADC
   double duration_s = 3600;
-  double slope_rms = 0.1;  ///< of the base's lobe
+  double slope_rms = 0.1;     ///< of the base's lobe
+  bool out_of_plane = false;  ///< some directions leave the plane of incidence
 };
 
 /// All effects in the order of EffectId.

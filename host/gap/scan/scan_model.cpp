@@ -163,6 +163,7 @@ void ScanModel::make_catalogue() {
     adc.push_back(std::abs(r.x_v) * r.gain);
     largest = std::max(largest, std::abs(r.x_v));
     duration = std::max(duration, r.time_s);
+    scale.out_of_plane = scale.out_of_plane || std::abs(std::sin(r.phi_r)) > 0.02;
   }
   constexpr std::size_t fewest_records = 200;
   if (adc.size() < fewest_records)
@@ -366,9 +367,9 @@ void ScanModel::predict(const Explanation& explanation, Eigen::VectorXd& mean,
     for (const SeriesColumns& s : series)
       if (wanted.empty() || wanted[s.first])
         active[w].push_back(parameters + static_cast<std::size_t>(s.id));
-    const auto first_turning = std::stable_partition(
-        active[w].begin(), active[w].end(),
-        [&](std::size_t i) { return i >= parameters || !turns[i]; });
+    const auto first_turning =
+        std::stable_partition(active[w].begin(), active[w].end(),
+                              [&](std::size_t i) { return i >= parameters || !turns[i]; });
     own_of[w] = static_cast<std::size_t>(first_turning - active[w].begin());
   }
   std::vector<Dual> dual(values.size());

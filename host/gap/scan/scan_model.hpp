@@ -72,7 +72,7 @@ class ScanModel : public ForwardModel {
 
   ScanRecords records_;
   std::vector<brdf::FacetFrame<double>> facet_frames_;  ///< of every record as commanded
-  std::vector<std::size_t> used_;  ///< numbers of the records that count
+  std::vector<std::size_t> used_;                       ///< numbers of the records that count
   brdf::Model model_;
   int lobe_ = -1;
   std::vector<calibrate::NoiseModel> noise_;

@@ -25,9 +25,9 @@ struct Series {
 };
 
 /// Densities of slopes: cubic B-splines, evenly spaced in ln(1 + (4u)²), u = tan θh over the base's
-/// slope. The first is centred on the mirror direction, the last at six times the slope.
-inline constexpr double slope_spacing = 0.5, fine_slope_spacing = 0.2;
-inline constexpr std::size_t slope_terms = 14, fine_slope_terms = 33;
+/// slope. The first is centred on the mirror direction, the last at six (ten) times the slope.
+inline constexpr double slope_spacing = 0.5, fine_slope_spacing = 0.12;
+inline constexpr std::size_t slope_terms = 14, fine_slope_terms = 62;
 /// Highest orders of cos(k a) and T_l(b) in the growth of a lobe: a by the slope, b by the
 /// difference angle. Constant terms are the base's own weights.
 inline constexpr std::size_t lobe_orders_h = 6, lobe_orders_d = 4;
@@ -69,19 +69,13 @@ inline std::array<double, 2> cubic_spline(double x) {
   return {0.0, 0.0};
 }
 
-/// Value and derivative of Chebyshev's polynomial of an order.
-inline std::array<double, 2> chebyshev(std::size_t order, double x) {
-  double before = 1.0, now = x, slope_before = 0.0, slope = 1.0;
-  if (order == 0) return {1.0, 0.0};
-  for (std::size_t k = 1; k < order; ++k) {
-    const double next = 2.0 * x * now - before;
-    const double next_slope = 2.0 * now + 2.0 * x * slope - slope_before;
-    before = now;
-    now = next;
-    slope_before = slope;
-    slope = next_slope;
-  }
-  return {now, slope};
+/// Values and derivatives of Chebyshev's polynomials T_0, T_1 …
+inline std::array<std::array<double, 2>, lobe_orders_h> chebyshev(double x) {
+  std::array<std::array<double, 2>, lobe_orders_h> t{{{1.0, 0.0}, {x, 1.0}}};
+  for (std::size_t k = 2; k < t.size(); ++k)
+    t[k] = {2.0 * x * t[k - 1][0] - t[k - 2][0],
+            2.0 * t[k - 1][0] + 2.0 * x * t[k - 1][1] - t[k - 2][1]};
+  return t;
 }
 
 /// Calls `each(number, k, l)` for the terms of a series of products, in the order of their
@@ -112,22 +106,21 @@ void for_each_product(SeriesId id, Each each) {
 /// Terms of a series at its coordinates.
 inline void series_terms(SeriesId id, double a, double b, std::span<Term> out) {
   if (id == SeriesId::slopes || id == SeriesId::fine_slopes) {
-    for (std::size_t j = 0; j < out.size(); ++j) {
+    std::fill(out.begin(), out.end(), Term{});
+    const auto first = static_cast<std::size_t>(std::max(0.0, std::floor(a) - 1.0));
+    for (std::size_t j = first; j < std::min(out.size(), first + 4); ++j) {
       const auto [value, slope] = cubic_spline(a - static_cast<double>(j));
       out[j] = {value, slope, 0.0};
     }
     return;
   }
   const bool lobe = id == SeriesId::growth || id == SeriesId::spectral_lobe;
-  std::array<std::array<double, 2>, lobe_orders_h> along_a{}, along_b{};
-  for (std::size_t k = 0; k < lobe_orders_h; ++k) {
-    const double order = static_cast<double>(k);
-    along_a[k] = lobe ? std::array<double, 2>{std::cos(order * a), -order * std::sin(order * a)}
-                      : chebyshev(k, a);
-    along_b[k] = chebyshev(k, b);
-  }
+  // cos(k a) is T_k(cos a).
+  const double x = lobe ? std::cos(a) : a;
+  const double by_x = lobe ? -std::sin(a) : 1.0;
+  const auto along_a = chebyshev(x), along_b = chebyshev(b);
   for_each_product(id, [&](std::size_t j, std::size_t k, std::size_t l) {
-    out[j] = {along_a[k][0] * along_b[l][0], along_a[k][1] * along_b[l][0],
+    out[j] = {along_a[k][0] * along_b[l][0], by_x * along_a[k][1] * along_b[l][0],
               along_a[k][0] * along_b[l][1]};
   });
 }
@@ -178,26 +171,19 @@ T series_sum(SeriesId id, const Material<T>& material, const brdf::FacetFrame<A>
   std::array<Term, most_terms> terms;
   const std::span<Term> used = std::span<Term>(terms).first(series.terms);
   series_terms(id, optics::value_of(place), optics::value_of(other), used);
-  double by_a = 0, by_b = 0;
-  for (std::size_t j = 0; j < series.terms; ++j) {
+  for (std::size_t j = 0; j < series.terms; ++j)
     if (terms[j].value != 0) sum += coefficient[j] * terms[j].value;
-    by_a += optics::value_of(coefficient[j]) * terms[j].by_a;
-    by_b += optics::value_of(coefficient[j]) * terms[j].by_b;
+  if constexpr (optics::DualNumber<T>) {
+    double by_a = 0, by_b = 0;
+    for (std::size_t j = 0; j < series.terms; ++j) {
+      by_a += optics::value_of(coefficient[j]) * terms[j].by_a;
+      by_b += optics::value_of(coefficient[j]) * terms[j].by_b;
+    }
+    sum += by_a * (place - optics::value_of(place)) + by_b * (other - optics::value_of(other));
   }
-  sum += by_a * (place - optics::value_of(place)) + by_b * (other - optics::value_of(other));
   if (on.lift[static_cast<std::size_t>(id)] != nullptr)
     sum += *on.lift[static_cast<std::size_t>(id)];
   return sum;
-}
-
-/// A lobe of the base's slope with longer tails than any that is worth a name, its peak that of the
-/// Gaussian.
-template <class T, class A>
-T long_tailed_lobe(const T& slope, const brdf::FacetFrame<A>& f) {
-  const T reach = 1.0 + 0.25 * (f.tan2_h / (slope * slope));
-  const A cos2 = f.cos_h * f.cos_h;
-  return 1.0 / (2.0 * optics::pi * slope * slope * reach * reach * (cos2 * cos2)) *
-         brdf::shadowing_factor(brdf::Shadowing::smith, slope, std::span<const T>{}, f);
 }
 
 template <class T, class A>
@@ -205,24 +191,31 @@ void add_free_lobes(optics::Mueller<T>& m, const Material<T>& material,
                     const brdf::FacetFrame<A>& f, const Switched<T>& on) {
   const T* p = &material.parameters[static_cast<std::size_t>(material.lobe)];
   const T* lobe = on[EffectId::free_lobe];
-  const bool grows = lobe != nullptr || on[EffectId::spectral_lobe] != nullptr;
-  const T tailed = p[3] * long_tailed_lobe(p[2], f);
-  T density = tailed * (series_sum(SeriesId::slopes, material, f, on) +
-                        series_sum(SeriesId::fine_slopes, material, f, on));
-  if (grows) {
-    const T own = p[3] * gaussian_lobe(p[2], f);
+  const T weight =
+      p[3] * brdf::shadowing_factor(brdf::Shadowing::smith, p[2], std::span<const T>{}, f);
+  const T u2 = f.tan2_h / (p[2] * p[2]);
+  // Longer tails than any lobe that is worth a name, its peak that of the Gaussian.
+  const T reach = 1.0 + 0.25 * u2;
+  const A cos2 = f.cos_h * f.cos_h;
+  const T tailed = weight / (2.0 * optics::pi * p[2] * p[2] * reach * reach * (cos2 * cos2));
+  T density(0.0);
+  if (on[EffectId::free_slopes] != nullptr || on[EffectId::fine_slopes] != nullptr)
+    density += tailed * (series_sum(SeriesId::slopes, material, f, on) +
+                         series_sum(SeriesId::fine_slopes, material, f, on));
+  if (lobe != nullptr || on[EffectId::spectral_lobe] != nullptr) {
+    const T own = weight * brdf::slope_density(brdf::Slopes::gaussian, p[2], f);
     // Some of the tails too: where the Gaussian has ended there would be nothing to grow.
     density += (own + 0.2 * tailed) * (series_sum(SeriesId::growth, material, f, on) +
                                        series_sum(SeriesId::spectral_lobe, material, f, on));
     if (lobe != nullptr) {
       const T* e = lobe + growth_terms;
       const A x = 1.0 - f.cos_d;
-      const T wider = 0.5 * (f.tan2_h / (p[2] * p[2])) - 1.0;  // d ln(density)/d ln(slope²)
+      const T wider = 0.5 * u2 - 1.0;  // d ln(density)/d ln(slope²)
       density +=
           own * wider * (x * (e[2] + x * (2.0 * e[3])) + e[lobe_extra + material.wavelength]);
       // Four per cent is what facets of n = 1.5 reflect: terms are shares of the lobe.
-      brdf::add_depolarized(
-          m, T((0.25 / (f.cos_i * f.cos_r)) * own * 0.04 * (e[0] + 2.0 * x * e[1])));
+      brdf::add_depolarized(m,
+                            T((0.25 / (f.cos_i * f.cos_r)) * own * 0.04 * (e[0] + 2.0 * x * e[1])));
     }
   }
   add_facets(m, p[0], p[1], density, f);

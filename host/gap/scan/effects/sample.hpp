@@ -30,8 +30,8 @@ T water_transmittance(const A& cosine) {
   return T(optics::transmittance(A(water_index), A(0.0), cosine));
 }
 
-/// The base's lobe `p` made anisotropic: its slopes along an axis that is turned by e[1] degrees from
-/// the plane of incidence stay, those across it are e^e[0] times as large.
+/// The base's lobe `p` made anisotropic: its slopes along an axis that is turned by e[1] degrees
+/// from the plane of incidence stay, those across it are e^e[0] times as large.
 template <class T, class A>
 void add_anisotropic(optics::Mueller<T>& m, const T* p, const T* e, const brdf::FacetFrame<A>& f) {
   using std::cos;
@@ -53,9 +53,9 @@ optics::Mueller<T> sample_mueller(const Material<T>& material, const brdf::Geome
                                   const Switched<T>& on) {
   using std::cos;
   using std::exp;
-  optics::Mueller<T> m =
-      brdf::evaluate(*material.model, material.parameters, material.wavelength_um, geometry);
   const brdf::FacetFrame<A> f = brdf::facet_frame(geometry);
+  optics::Mueller<T> m =
+      brdf::evaluate(*material.model, material.parameters, material.wavelength_um, geometry, f);
   if (!(optics::value_of(f.cos_i) > 0.0) || !(optics::value_of(f.cos_r) > 0.0)) return m;
   add_free_forms(m, material, f, on);
   // cos of the angle to the way back to the source, from |k_r - k_i|² = 4 cos²θd.
