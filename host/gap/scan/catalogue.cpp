@@ -360,8 +360,7 @@ class Catalogue {
     std::vector<Parameter> parameters;
     std::vector<Probe> probes;
     for (std::size_t i = 0; i < usual.size(); ++i) {
-      Parameter p =
-          signed_number("", "1", "coefficient of the series", usual[i], 20 * usual.front());
+      Parameter p = signed_number("", "1", "coefficient of the series", usual[i], 3);
       p.name = fmt::format("term_{}", i + 1);
       parameters.push_back(p);
       Probe probe(usual.size(), 0.0);
@@ -400,11 +399,11 @@ class Catalogue {
     free_form(EffectId::free_lobe, "free-lobe",
               "A lobe whose shape and polarisation change with the angle between the beams, and "
               "its width by wavelength.",
-              joined(falling(SeriesId::growth, 0.3), lobe_extra + wavelengths, 0.2));
+              joined(falling(SeriesId::growth, 0.15), lobe_extra + wavelengths, 0.1));
     free_form(EffectId::spectral_lobe, "spectral-lobe",
               "A lobe whose height and shape follow the wavelength, as where roughness is not "
               "large against it.",
-              repeated(falling(SeriesId::spectral_lobe, 0.1)));
+              repeated(falling(SeriesId::spectral_lobe, 0.05)));
     std::vector<double> diffuse = falling(SeriesId::diffuse_shape, 0.3);
     const std::vector<double> kept = falling(SeriesId::kept, 0.1);
     diffuse.insert(diffuse.end(), kept.begin(), kept.end());
@@ -414,7 +413,7 @@ class Catalogue {
     free_form(EffectId::spectral_diffuse, "spectral-diffuse",
               "Diffuse light whose shape follows the wavelength: the less is absorbed, the more "
               "often it is scattered.",
-              repeated(falling(SeriesId::spectral_diffuse, 0.1)));
+              repeated(falling(SeriesId::spectral_diffuse, 0.05)));
     add_family(EffectId::anisotropic_slopes, "anisotropic",
                "Slopes larger along one direction of the surface than across it, as grinding "
                "leaves them.",

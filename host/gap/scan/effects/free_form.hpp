@@ -33,7 +33,7 @@ inline constexpr std::size_t slope_terms = 14, fine_slope_terms = 62;
 inline constexpr std::size_t lobe_orders_h = 6, lobe_orders_d = 4;
 inline constexpr std::size_t growth_terms = lobe_orders_h * lobe_orders_d - 1;
 /// Of the same at each wavelength, up to this sum of orders; the constant term is one of them.
-inline constexpr std::size_t spectral_lobe_order = 3, spectral_lobe_terms = 10;
+inline constexpr std::size_t spectral_lobe_order = 2, spectral_lobe_terms = 6;
 /// Of T_k T_l in the cosines of half and difference angle, up to these sums of orders.
 inline constexpr std::size_t diffuse_order = 4, diffuse_shape_terms = 14;
 inline constexpr std::size_t kept_order = 2, kept_terms = 6;
