@@ -2,132 +2,25 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <map>
 #include <numbers>
 #include <set>
 
 #include <Eigen/Cholesky>
 
+#include "host/gap/engine/beam.hpp"
 #include "host/gap/engine/folds.hpp"
+#include "host/gap/engine/structure.hpp"
 #include "host/parallel/for_each_index.hpp"
 
 namespace umov::gap {
 namespace {
-
-using Set = std::vector<std::size_t>;  // candidates of a view, ascending
-
-struct Scored {
-  Set set;
-  double score;
-};
-
-bool by_score(const Scored& a, const Scored& b) {
-  if (a.score != b.score) return a.score > b.score;
-  return a.set < b.set;
-}
-
-/// Sets of candidates by evidence, grown, exchanged and shrunk from the empty one.
-class Beam {
- public:
-  Beam(const LinearView& view, const SearchOptions& options, double ln_odds,
-       std::size_t effects_already)
-      : view_(view), options_(options), ln_odds_(ln_odds) {
-    for (std::size_t c = 0; c < view.candidates().size(); ++c) {
-      const std::size_t effect = view.candidates()[c].effect;
-      if (std::find(options.without.begin(), options.without.end(), effect) ==
-          options.without.end())
-        usable_.push_back(c);
-    }
-    largest_ = options.max_effects > effects_already ? options.max_effects - effects_already : 0;
-  }
-
-  std::vector<Scored> run() {
-    std::vector<Scored> front{{Set{}, score(Set{})}};
-    for (std::size_t size = 1; size <= largest_; ++size) {
-      std::set<Set> next;
-      for (const Scored& s : front) grow(s.set, next);
-      front = best_of(next);
-      // Exchanges repair what was chosen before its partners were known.
-      for (int pass = 0; pass < 2; ++pass) {
-        std::set<Set> exchanged;
-        for (std::size_t k = 0; k < std::min<std::size_t>(front.size(), 6); ++k) {
-          exchanged.insert(front[k].set);
-          for (std::size_t out = 0; out < front[k].set.size(); ++out) {
-            Set smaller = front[k].set;
-            smaller.erase(smaller.begin() + static_cast<std::ptrdiff_t>(out));
-            score(smaller);
-            grow(smaller, exchanged);
-          }
-        }
-        for (const Scored& s : front) exchanged.insert(s.set);
-        front = best_of(exchanged);
-      }
-    }
-    std::vector<Scored> all;
-    for (const auto& [set, value] : known_) all.push_back({set, value});
-    std::sort(all.begin(), all.end(), by_score);
-    return all;
-  }
-
- private:
-  double score(const Set& set) {
-    const auto found = known_.find(set);
-    if (found != known_.end()) return found->second;
-    const double value = view_.fit(set).ln_evidence + ln_odds_ * static_cast<double>(set.size());
-    known_.emplace(set, value);
-    return value;
-  }
-
-  void grow(const Set& set, std::set<Set>& into) const {
-    for (const std::size_t c : usable_) {
-      const bool there = std::any_of(set.begin(), set.end(), [&](std::size_t s) {
-        return view_.candidates()[s].effect == view_.candidates()[c].effect;
-      });
-      if (there) continue;
-      Set larger = set;
-      larger.insert(std::lower_bound(larger.begin(), larger.end(), c), c);
-      into.insert(std::move(larger));
-    }
-  }
-
-  std::vector<Scored> best_of(const std::set<Set>& sets) {
-    std::vector<Scored> scored;
-    scored.reserve(sets.size());
-    for (const Set& s : sets) scored.push_back({s, score(s)});
-    std::sort(scored.begin(), scored.end(), by_score);
-    if (scored.size() > options_.beam) scored.resize(options_.beam);
-    return scored;
-  }
-
-  const LinearView& view_;
-  const SearchOptions& options_;
-  double ln_odds_;
-  std::vector<std::size_t> usable_;
-  std::size_t largest_ = 0;
-  std::map<Set, double> known_;
-};
-
-/// The explanation with a set of a view's candidates at their best coefficients.
-Explanation with_candidates(Explanation explanation, const LinearView& view, const Set& set) {
-  const LinearFit fit = view.fit(set);
-  Eigen::Index first = 0;
-  for (const std::size_t c : set) {
-    const auto n = static_cast<Eigen::Index>(view.candidates()[c].columns.size());
-    explanation = with_effect(explanation, view.candidates()[c].effect,
-                              view.alpha(c, fit.coefficient.segment(first, n)));
-    first += n;
-  }
-  return explanation;
-}
 
 /// Of a refit in the search.
 constexpr int most_iterations = 8;
 /// ln of the odds against the best beyond which a hypothesis need not be settled to the last digit.
 constexpr double worth_settling = 4;
 constexpr std::size_t most_settled = 6;
-/// Observations that starts and structure are looked for with.
-constexpr std::size_t most_to_find_the_way = 2400;
 
 /// The base at the best of its starts.
 Refit base_fit(const ForwardModel& whole, int threads) {
@@ -164,110 +57,6 @@ Refit base_fit(const ForwardModel& whole, int threads) {
   Eigen::VectorXd mean;
   whole.predict(best.explanation, mean, nullptr);
   return refit(whole, best.explanation, Whitening(whole.noise(mean)));
-}
-
-/// Takes structural effects in, one at a time, for as long as the best of them takes away what
-/// dwarfs the noise: among small effects a search could not see the wood for the trees.
-///
-/// It stops where a few of the others together are the better explanation: a small effect far out
-/// of its usual size is no reason to bend the model. `carrying`: those whose misfit was several
-/// times the rest.
-Refit with_structure(const ForwardModel& whole, Refit centre, const SearchOptions& options,
-                     std::vector<std::size_t>& carrying) {
-  const std::unique_ptr<ForwardModel> few = whole.thinned(most_to_find_the_way);
-  const ForwardModel& model = few ? *few : whole;
-  if (few) {
-    Eigen::VectorXd mean;
-    model.predict(centre.explanation, mean, nullptr);
-    centre = refit(model, centre.explanation, Whitening(model.noise(mean)));
-  }
-  constexpr double dwarfed = 1.2;  // χ² over the number of observations
-  constexpr double several = 3;
-  constexpr int first_look = 10;  // iterations for all
-  constexpr std::size_t finalists = 4;
-  constexpr std::size_t most_sets = 3;  // of effects that are not structural
-  const double ln_odds = log_prior_odds(model, options);
-  SearchOptions small_only = options;
-  small_only.beam = 4;
-  small_only.max_effects = std::min<std::size_t>(3, options.max_effects);
-  for (std::size_t e = 0; e < model.effects().size(); ++e)
-    if (model.effects()[e].structural) small_only.without.push_back(e);
-  for (std::size_t round = 0; round < options.max_structure; ++round) {
-    const Whitening whitening(model.noise(centre.mean));
-    centre = refit(model, centre.explanation, whitening);
-    const auto n = static_cast<double>(centre.residual.size());
-    if (centre.chi2 < dwarfed * n) break;
-    std::vector<Explanation> starts;
-    for (std::size_t e = 0; e < model.effects().size(); ++e) {
-      const Effect& effect = model.effects()[e];
-      const auto& there = centre.explanation.effects;
-      if (!effect.structural || std::find(there.begin(), there.end(), e) != there.end() ||
-          std::find(options.without.begin(), options.without.end(), e) != options.without.end())
-        continue;
-      // Where probes act together, the refit finds the others from the first.
-      for (const auto& group : effect.probes)
-        starts.push_back(with_effect(centre.explanation, e, group.front()));
-    }
-    const std::size_t structural = starts.size();
-    {
-      const LinearView view(model, centre, whitening, {}, true, options.threads);
-      Beam beam(view, small_only, ln_odds, 0);
-      for (const Scored& scored : beam.run()) {
-        if (starts.size() >= structural + most_sets) break;
-        if (scored.set.empty()) continue;
-        starts.push_back(with_candidates(centre.explanation, view, scored.set));
-      }
-    }
-    std::vector<Refit> fits(starts.size());
-    const auto cost = [](const Refit& fit) { return fit.chi2 + fit.penalty; };
-    for_each_index(starts.size(), options.threads, [&](std::size_t i) {
-      fits[i] = refit(model, starts[i], whitening, first_look);
-    });
-    std::vector<Refit> rivals(
-        std::make_move_iterator(fits.begin() + static_cast<std::ptrdiff_t>(structural)),
-        std::make_move_iterator(fits.end()));
-    fits.resize(structural);
-    // The best of each effect go on to the end.
-    std::stable_sort(fits.begin(), fits.end(),
-                     [&](const Refit& a, const Refit& b) { return cost(a) < cost(b); });
-    std::set<std::vector<std::size_t>> sets;
-    std::erase_if(fits, [&](const Refit& fit) {
-      return sets.size() >= finalists || !sets.insert(fit.explanation.effects).second;
-    });
-    for_each_index(fits.size(), options.threads, [&](std::size_t i) {
-      fits[i] = refit(model, fits[i].explanation, whitening, 25);
-    });
-    // Noise as large as the best of them leaves: families that differ by less are told apart by how
-    // much they had to be bent, not by how well they fit.
-    double least = cost(centre);
-    for (const Refit& fit : fits) least = std::min(least, cost(fit));
-    for (const Refit& fit : rivals) least = std::min(least, cost(fit));
-    const double inflation = std::max(1.0, least / n);
-    const auto score = [&](const Refit& fit) {
-      return log_evidence(model, fit, inflation) +
-             ln_odds * static_cast<double>(fit.explanation.effects.size());
-    };
-    const Refit* best = nullptr;
-    double best_score = score(centre);
-    for (const Refit& fit : fits) {
-      if (score(fit) <= best_score) continue;
-      best_score = score(fit);
-      best = &fit;
-    }
-    const bool outdone = std::any_of(rivals.begin(), rivals.end(),
-                                     [&](const Refit& fit) { return score(fit) >= best_score; });
-    if (best == nullptr || outdone) break;
-    if (best->chi2 * several < centre.chi2)
-      for (const std::size_t e : best->explanation.effects)
-        if (std::find(centre.explanation.effects.begin(), centre.explanation.effects.end(), e) ==
-            centre.explanation.effects.end())
-          carrying.push_back(e);
-    centre = *best;
-  }
-  if (few == nullptr) return centre;
-  Eigen::VectorXd mean;
-  whole.predict(centre.explanation, mean, nullptr);
-  return refit(whole, centre.explanation, Whitening(whole.noise(mean)));
 }
 
 }  // namespace
