@@ -184,8 +184,14 @@ LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whiteni
 
 LinearView::Left LinearView::left_by_everything() const {
   if (left_.cols() == 0) return {residual_, fitted_rank_};
+  // Series of many terms would follow slow noise too.
+  constexpr std::size_t many = 15;
+  std::vector<Eigen::Index> used;
+  for (const Candidate& c : candidates_)
+    if (c.columns.size() < many) used.insert(used.end(), c.columns.begin(), c.columns.end());
+  if (used.empty()) return {residual_, fitted_rank_};
   // Signatures of alternatives repeat each other.
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> catalogue(left_);
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> catalogue(Eigen::MatrixXd(left_(Eigen::all, used)));
   catalogue.setThreshold(1e-4);
   const Eigen::MatrixXd span =
       catalogue.householderQ() * Eigen::MatrixXd::Identity(left_.rows(), catalogue.rank());

@@ -47,8 +47,8 @@ class LinearView {
   /// Largest gain of any single candidate (structural ones apart) in `draws` measurements that hold
   /// nothing but noise; ascending.
   std::vector<double> null_maxima(int draws, std::uint64_t seed) const;
-  /// Whitened residual that all candidates together leave, and how many degrees of freedom they and
-  /// the fitted parameters take: noise, as far as the catalogue knows.
+  /// Whitened residual that all candidates but series of many terms together leave, and how many
+  /// degrees of freedom they and the fitted parameters take: noise, as far as the catalogue knows.
   struct Left {
     Eigen::VectorXd residual;
     double rank;
