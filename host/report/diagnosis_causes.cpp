@@ -56,7 +56,7 @@ void append(Json& rows, const Json& more) {
   for (const Json& row : more) rows.push_back(row);
 }
 
-Json bar(const char* name, const gap::scan::GapInterval& i) {
+Json bar(const char* name, const gap::GapInterval& i) {
   const auto part = [](const gap::Interval& v) {
     return Json{{"value", rounded(v.value, 4)},
                 {"lo", rounded(v.lo, 4)},
@@ -127,10 +127,17 @@ Json causes_json(const gap::Diagnosis& d, const gap::scan::Picture& picture) {
     const gap::Effect* declared = nullptr;
     for (const auto& c : picture.contributions)
       if (c.effect.name == cause.effect && c.effect.family == cause.family) declared = &c.effect;
+    const bool scatters = picture.scatter && picture.scatter->name == cause.effect;
+    if (scatters) declared = &*picture.scatter;
     append(parameters,
            value_rows(label_of(cause.effect, cause.family), cause.parameters, declared));
     if (declared != nullptr)
       physics.push_back({label_of(cause.effect, cause.family), declared->physics});
+    if (scatters)
+      physics.push_back({gap::plain_name(gap::unseen_noise),
+                         "Light that changes from record to record but not within one, unseen by "
+                         "the monitor: only a place that is measured again tells it from a pattern "
+                         "that belongs to the place."});
     for (const auto& other : picture.alternatives) {
       if (other.instead_of != cause.effect) continue;
       const std::string label = label_of(other.effect.name, other.effect.family);
@@ -143,7 +150,7 @@ Json causes_json(const gap::Diagnosis& d, const gap::scan::Picture& picture) {
           {"physics", std::move(physics)}};
 }
 
-Json gap_json(const gap::Diagnosis& d, const gap::scan::GapBounds& bounds) {
+Json gap_json(const gap::Diagnosis& d, const gap::GapBounds& bounds) {
   return {{"bars",
            {bar("before", bounds.before), bar("after", bounds.after), bar("floor", bounds.floor)}},
           {"closed",

@@ -25,8 +25,8 @@ std::string name_of(const DiagnosisInput& input) {
 /// What a reader wants to know at once, in the order of reading.
 Json facts(const DiagnosisInput& input) {
   const gap::Diagnosis& d = input.diagnosis->answer;
-  const gap::scan::GapBounds& bounds = input.diagnosis->picture->bounds;
-  const auto percent = [](const char* name, const gap::scan::GapInterval& i) {
+  const gap::GapBounds& bounds = *input.diagnosis->answer.bounds;
+  const auto percent = [](const char* name, const gap::GapInterval& i) {
     return Json{{"name", name},
                 {"value", plain(i.percent.value, 2) + " %"},
                 {"note", fmt::format("of the signal; G² = {}", plain(i.g2.value, 3))}};
@@ -81,7 +81,7 @@ std::string diagnosis_data(const DiagnosisInput& input) {
             {"facts", facts(input)},
             {"notes", input.source.notes},
             {"causes", causes_json(d, picture)},
-            {"gap", gap_json(d, picture.bounds)},
+            {"gap", gap_json(d, *d.bounds)},
             {"next", next_json(d)},
             {"plan", result.next_plan},
             {"scans", input.files},

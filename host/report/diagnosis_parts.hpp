@@ -49,7 +49,7 @@ Json signatures(const Scene& scene);
 /// Causes as bars, ambiguity sets as one; their parameters; rivals' parameters.
 Json causes_json(const gap::Diagnosis& diagnosis, const gap::scan::Picture& picture);
 /// {bars:[{name, g2, percent, …}], closed}
-Json gap_json(const gap::Diagnosis& diagnosis, const gap::scan::GapBounds& bounds);
+Json gap_json(const gap::Diagnosis& diagnosis, const gap::GapBounds& bounds);
 /// [{menu, words, separates, separation, minutes}]
 Json next_json(const gap::Diagnosis& diagnosis);
 /// Rows of a table of cells.

@@ -35,6 +35,13 @@ class Diagnose(UmovCase):
         gap = answer["gap"]
         self.assertGreater(gap["before"]["g2"], 3 * gap["after"]["g2"])
         self.assertGreater(gap["closed_fraction"]["value"], 0.7)
+        for size in (gap["before"], gap["after"], gap["floor"]):
+            self.assertLess(size["lo"], size["g2"])
+            self.assertGreater(size["hi"], size["g2"])
+        for size in (gap["before"], gap["after"]):
+            self.assertLessEqual(size["percent_lo"], size["percent"])
+            self.assertGreaterEqual(size["percent_hi"], size["percent"])
+        self.assertGreater(gap["before"]["lo"], gap["after"]["hi"])
 
     def test_what_looks_alike_in_plane_is_one_set_and_the_scan_that_tells_is_prescribed(self):
         answer = self.diagnosis(SCANS / "scan_01.csv", "--next", "next.toml")

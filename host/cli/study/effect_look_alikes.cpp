@@ -76,6 +76,10 @@ constexpr std::array table{
     LookAlikes{"near_specular_lobe", "", "`beam_divergence` in part",
                "a smaller aperture (`iris`)"},
     LookAlikes{"retroreflection_peak", "", "nothing: a peak about θr = −θi", ""},
+    LookAlikes{"speckle", "",
+               "noise that is new in every record and that neither the monitor nor the scatter "
+               "within a record sees (`unseen_noise`)",
+               "the same places measured again (`repeat`, `reverse`): speckle comes back"},
     LookAlikes{"fluorescence", "", "diffuse light of the base at the shortest wavelength, exactly",
                "a long-pass filter before the detector (`long_pass`)"},
     LookAlikes{"sample_model", "",

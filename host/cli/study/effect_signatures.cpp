@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <utility>
 
 #include <Eigen/QR>
@@ -50,14 +51,26 @@ std::vector<EffectSignature> effect_signatures(const gap::scan::ScanModel& model
   for_each_index(effects.size(), threads, [&](std::size_t e) {
     EffectSignature& best = all[e];
     best.effect = &effects[e];
-    // Of its possible shapes, or of the lasers it may concern, the one that shows most.
-    for (const auto& group : effects[e].probes) {
+    // Of its possible shapes, or of the lasers it may concern, the one that shows most. What
+    // scatters has no shape: one pattern of many.
+    std::vector<std::vector<gap::Probe>> groups = effects[e].probes;
+    if (effects[e].scatter) groups = {{gap::Probe(effects[e].parameters.size(), 0.0)}};
+    for (const auto& group : groups) {
       EffectSignature s;
       s.effect = &effects[e];
       s.alpha = usual_size(effects[e], group.front());
-      Eigen::VectorXd shifted;
-      model.predict(gap::with_effect(at.explanation, e, s.alpha), shifted, nullptr);
-      s.alone = whitening.apply(shifted - at.mean);
+      Eigen::VectorXd change;
+      if (effects[e].scatter) {
+        std::mt19937_64 random(1);
+        std::normal_distribution<double> normal;
+        change = s.alpha.front() * model.noise(at.mean).relative;
+        for (double& c : change) c *= normal(random);
+      } else {
+        Eigen::VectorXd shifted;
+        model.predict(gap::with_effect(at.explanation, e, s.alpha), shifted, nullptr);
+        change = shifted - at.mean;
+      }
+      s.alone = whitening.apply(change);
       Eigen::VectorXd padded = Eigen::VectorXd::Zero(basis.rows());
       padded.head(observations) = s.alone;
       s.left = (padded - basis * factor.solve(padded)).head(observations);

@@ -234,6 +234,8 @@ void describe(Page& page, const ScanModel& model, const gap::Refit& at,
   const Drawn drawn =
       along == Along::theta_r ? along_angle(model, s) : along_all(model, at, whitening, s, along);
   std::string caption = fmt::format("At its usual size ({}): {}. ", size_text(s), drawn.where);
+  if (effect.scatter)
+    caption += "One pattern of many: every place has its own, in proportion to the signal. ";
   caption +=
       s.size >= 1
           ? fmt::format("A refit of the base leaves {:.3g} σ of it in the whole scan.", s.size)

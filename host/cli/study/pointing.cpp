@@ -55,7 +55,7 @@ Trial withhold(const formats::PointingRun& run, const std::vector<std::string>& 
   Trial trial{withheld, gap::diagnose(model, how)};
   const gap::Refit& before = trial.answer.search.hypotheses[trial.answer.search.base].refit;
   trial.before = rms(model, before);
-  trial.after = rms(model, gap::scan::best_refit(trial.answer));
+  trial.after = rms(model, trial.answer.best);
   double least = before.chi2;
   for (const gap::Hypothesis& h : trial.answer.search.hypotheses)
     least = std::min(least, h.refit.chi2);

@@ -53,8 +53,20 @@ Json outcome(const Outcome& o) {
           {"ambiguity_sets", o.ambiguity_sets}};
 }
 
-Json size(const GapSize& gap) {
-  return {{"g2", gap.g2}, {"percent", gap.percent}};
+/// With the 95 % interval, where it is known.
+Json size(const GapSize& gap, const GapInterval* bounds, bool percent = true) {
+  Json out = {{"g2", gap.g2}};
+  if (bounds != nullptr) {
+    out["lo"] = bounds->g2.lo;
+    out["hi"] = bounds->g2.hi;
+  }
+  if (!percent) return out;
+  out["percent"] = gap.percent;
+  if (bounds != nullptr) {
+    out["percent_lo"] = bounds->percent.lo;
+    out["percent_hi"] = bounds->percent.hi;
+  }
+  return out;
 }
 
 }  // namespace
@@ -62,9 +74,10 @@ Json size(const GapSize& gap) {
 std::string diagnosis_to_json(const Diagnosis& d, const AnswerSource& source) {
   Json out;
   out["verdict"] = to_string(d.verdict);
-  out["gap"] = {{"before", size(d.before)},
-                {"after", size(d.after)},
-                {"floor", {{"g2", d.floor.g2}}},
+  const GapBounds* bounds = d.bounds ? &*d.bounds : nullptr;
+  out["gap"] = {{"before", size(d.before, bounds ? &bounds->before : nullptr)},
+                {"after", size(d.after, bounds ? &bounds->after : nullptr)},
+                {"floor", size(d.floor, bounds ? &bounds->floor : nullptr, false)},
                 {"closed_fraction", interval(d.closed_fraction)}};
   out["where"] = cells(d.where);
   out["causes"] = Json::array();

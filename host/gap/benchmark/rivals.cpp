@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include <nlohmann/json.hpp>
@@ -41,7 +42,10 @@ class Rivals {
         diagnosis_(diagnosis),
         whitening_(*diagnosis.answer.search.whitening),
         fold_(diagnosis.answer.search.fold),
-        base_(diagnosis.answer.search.hypotheses[diagnosis.answer.search.base].refit),
+        base_(refit(
+            model,
+            diagnosis.answer.search.hypotheses[diagnosis.answer.search.base].refit.explanation,
+            whitening_)),
         view_(model, base_, whitening_, fold_, true, 1) {}
 
   Diagnosis largest_residual() const {
@@ -91,8 +95,16 @@ class Rivals {
   Diagnosis oracle(const std::vector<std::string>& known) const {
     std::set<std::string> names(known.begin(), known.end());
     const bool richer = names.erase(model_cause) > 0;
+    const std::optional<Cause> scatter = scatter_of(names);
+    const auto answered = [&](const Refit& fit) {
+      Diagnosis d = answer(fit, two_sided_99);
+      if (!scatter) return d;
+      d.causes.push_back(*scatter);
+      d.verdict = Verdict::explained;
+      return d;
+    };
     const Refit from = richer ? with_structure() : base_;
-    if (names.empty()) return answer(from, two_sided_99);
+    if (names.empty()) return answered(from);
     Refit best = with_names(from, names);
     // The search may have come nearer by a way of its own.
     const Refit& theirs = diagnosis_.answer.search.hypotheses.front().refit;
@@ -109,10 +121,29 @@ class Rivals {
                                names);
       if (objective(other) < objective(best)) best = std::move(other);
     }
-    return answer(best, two_sided_99);
+    return answered(best);
   }
 
  private:
+  /// The known effect that scatters, as large as the diagnosis found it; it leaves the names. None
+  /// where it is not significant.
+  std::optional<Cause> scatter_of(std::set<std::string>& names) const {
+    std::optional<Cause> cause;
+    for (const Effect& effect : model_.effects()) {
+      if (!effect.scatter || names.erase(effect.name) == 0 || !diagnosis_.answer.excess) continue;
+      const ExcessVariance& found = *diagnosis_.answer.excess;
+      const double error = (found.hi - found.lo) / (2 * 1.959964);
+      if (!(found.size > two_sided_99 * error)) continue;
+      const Parameter& size = effect.parameters.front();
+      cause = Cause{effect.name,
+                    effect.family,
+                    1.0,
+                    0.0,
+                    {{size.name, size.unit, {found.size, found.lo, found.hi}}}};
+    }
+    return cause;
+  }
+
   std::vector<std::size_t> usable(const LinearView& view) const {
     std::vector<std::size_t> result;
     for (std::size_t c = 0; c < view.candidates().size(); ++c) {
@@ -245,7 +276,7 @@ class Rivals {
   const scan::ScanDiagnosis& diagnosis_;
   const Whitening& whitening_;
   const std::vector<int>& fold_;
-  const Refit& base_;
+  Refit base_;
   LinearView view_;
 };
 

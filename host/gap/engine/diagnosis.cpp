@@ -74,30 +74,25 @@ class Diagnoser {
 
   Diagnosis run() {
     d_.search = search(model_, options_.search);
-    const Hypothesis base = d_.search.hypotheses[d_.search.base];
-    const Whitening& whitening = *d_.search.whitening;
-    d_.where = find_where(model_, base.refit, options_.draws, options_.search.seed + 1);
-    final_ = confirmed(d_.search.hypotheses.front(), base, whitening);
-    const Refit& after = final_.refit;
-    fprintf(stderr, "noise w %.2e s %.2e m %.3f scale %.3f\n", d_.search.relative_noise.white,
-            d_.search.relative_noise.slow, d_.search.relative_noise.memory, d_.search.noise_scale);
-    d_.unexplained = find_where(model_, after, options_.draws, options_.search.seed + 2);
-    d_.variation =
-        strongest_variation(model_, after, whitening, d_.search.null_99, options_.search.threads);
-    if (Variation slow = slow_wander(model_, after, whitening, d_.search.noise_scale);
-        slow.p_global < d_.variation.p_global)
-      d_.variation = std::move(slow);
-    d_.unexplained_p =
-        std::min({1.0, d_.unexplained.p_global, d_.variation.p_global / options_.varying_share});
-    gaps(base.refit, after, whitening);
-    ambiguity(whitening);
+    d_.base_whitening = d_.search.whitening;
+    final_ = confirmed(d_.search.hypotheses.front(), d_.search.hypotheses[d_.search.base],
+                       *d_.search.whitening);
+    ambiguity(*d_.search.whitening);
     probabilities();
-    causes(base.refit, after, whitening);
+    scatter();
+    const Refit base = d_.search.hypotheses[d_.search.base].refit;
+    const Whitening& whitening = *d_.search.whitening;
+    d_.where = find_where(model_, base, options_.draws, options_.search.seed + 1);
+    const Refit& after = final_.refit;
+    if (!scatter_) look_at_rest(after, whitening);
+    gaps(base, after, whitening);
+    causes(base, after, whitening);
     verdict();
     const Eigen::VectorXd errors = standard_errors(after.precision);
     for (std::size_t i = 0; i < model_.base().size(); ++i)
       d_.base.push_back(named_value(model_.base()[i], after.explanation.base[i],
                                     errors[static_cast<Eigen::Index>(i)]));
+    d_.best = after;
     return std::move(d_);
   }
 
@@ -138,6 +133,82 @@ class Diagnoser {
   bool carries(std::size_t effect) const {
     const auto& structure = d_.search.structure;
     return std::find(structure.begin(), structure.end(), effect) != structure.end();
+  }
+
+  /// What an explanation leaves: where, and whether it varies with something.
+  void look_at_rest(const Refit& fit, const Whitening& whitening) {
+    d_.unexplained = find_where(model_, fit, options_.draws, options_.search.seed + 2);
+    d_.variation =
+        strongest_variation(model_, fit, whitening, d_.search.null_99, options_.search.threads);
+    if (Variation slow = slow_wander(model_, fit, whitening, d_.search.noise_scale);
+        slow.p_global < d_.variation.p_global)
+      d_.variation = std::move(slow);
+    d_.unexplained_p =
+        std::min({1.0, d_.unexplained.p_global, d_.variation.p_global / options_.varying_share});
+  }
+
+  /// Whether what scatters beyond the known noise is an effect's. If so, the noise is parted into
+  /// what is the effect's and what is not: the base is judged without the former.
+  void scatter() {
+    const auto& effects = model_.effects();
+    const auto kind =
+        std::find_if(effects.begin(), effects.end(), [](const Effect& e) { return e.scatter; });
+    const RelativeNoise& learned = d_.search.relative_noise;
+    if (kind == effects.end() || !(std::hypot(learned.white, learned.pattern) > 0)) return;
+    // With about the right weights: else what scatters most would lead the fit.
+    const Whitening plain(model_.noise(final_.refit.mean),
+                          {std::hypot(learned.white, learned.pattern), 0, 0},
+                          d_.search.noise_scale);
+    const LinearView view(model_, refit(model_, final_.refit.explanation, plain, 3), plain,
+                          d_.search.fold, true, options_.search.threads);
+    const LinearView::Left left = view.left_by_everything();
+    const Leftover leftover{left.residual.cwiseProduct(plain.white_sigma()), left.kept,
+                            d_.search.noise_scale};
+    d_.excess = weigh_excess(
+        model_, *kind, plain.shape(), leftover,
+        learn_relative_noise(plain.shape(), leftover.residual, leftover.kept, leftover.noise_scale),
+        log_prior_odds(model_, options_.search));
+    const ExcessVariance& found = *d_.excess;
+    if (!found.confirmed()) return;
+    const auto number = static_cast<std::size_t>(kind - effects.begin());
+    const auto& without = options_.search.without;
+    const bool excluded = std::find(without.begin(), without.end(), number) != without.end();
+    // Fresh noise is no effect: it is in the noise as learned.
+    const bool seen = excluded ? found.probability >= options_.named
+                               : found.joint_probability() >= options_.named;
+    if (!seen) return;
+    RelativeNoise rest = found.with;
+    rest.pattern = 0;
+    const auto whitened = [&](const RelativeNoise& noise) {
+      return std::make_shared<const Whitening>(plain.shape(), noise, d_.search.noise_scale);
+    };
+    if (!excluded) {
+      // Scatter of a model that misses the mean is none of the sample's.
+      const auto noise = whitened(found.with);
+      Refit settled = refit(model_, final_.refit.explanation, *noise);
+      look_at_rest(settled, *noise);
+      if (significant_rest()) return;
+      scatter_ = number;
+      d_.search.whitening = noise;
+      final_.refit = std::move(settled);
+    }
+    d_.base_whitening = whitened(rest);
+    if (excluded) {
+      d_.search.whitening = d_.base_whitening;
+      final_.refit = refit(model_, final_.refit.explanation, *d_.base_whitening);
+    }
+    d_.search.relative_noise = excluded ? rest : found.with;
+    // What is expected of the base model is judged by what the sample is not said to scatter.
+    Refit& base = d_.search.hypotheses[d_.search.base].refit;
+    base = refit(model_, base.explanation, *d_.base_whitening);
+    if (excluded) return;
+    for (auto& [name, p] : d_.probabilities)
+      if (name == kind->name) p = found.probability;
+    d_.probabilities.emplace_back(unseen_noise, found.fresh_probability);
+    std::stable_sort(d_.probabilities.begin(), d_.probabilities.end(),
+                     [](const auto& a, const auto& b) { return a.second > b.second; });
+    if (found.ambiguous(options_.ambiguous))
+      d_.ambiguity_sets.push_back({kind->name, unseen_noise});
   }
 
   /// Over the hypotheses of the search and the rivals that were tried after it.
@@ -183,11 +254,11 @@ class Diagnoser {
 
   void gaps(const Refit& base, const Refit& after, const Whitening& whitening) {
     const auto& fold = d_.search.fold;
-    const std::vector<double> b = held_out_by_fold(model_, base, whitening, fold);
+    const std::vector<double> b = held_out_by_fold(model_, base, *d_.base_whitening, fold);
     const std::vector<double> a = held_out_by_fold(model_, after, whitening, fold);
     const LinearView view(model_, after, whitening, fold, false);
     const double floor = view.held_out_floor(options_.draws, options_.search.seed + 3);
-    d_.before = size_of(sum(b), base, whitening);
+    d_.before = size_of(sum(b), base, *d_.base_whitening);
     d_.after = size_of(sum(a), after, whitening);
     d_.floor = size_of(floor, after, whitening);
     const auto fraction = [&](double before, double left) {
@@ -214,7 +285,7 @@ class Diagnoser {
 
   void causes(const Refit& base, const Refit& after, const Whitening& whitening) {
     const auto& chosen = after.explanation.effects;
-    if (chosen.empty()) {
+    if (chosen.empty() && !scatter_) {
       d_.ambiguity_sets.clear();
       return;
     }
@@ -224,20 +295,26 @@ class Diagnoser {
     for (const std::size_t e : chosen)
       if (!model_.effects()[e].structural) small.push_back(e);
     const std::size_t n = chosen.size();
-    std::vector<double> closed(std::size_t{1} << small.size(), 0.0);
-    const double nothing = sum(held_out_by_fold(model_, base, whitening, d_.search.fold));
+    // The effect that scatters is the last of them.
+    const std::size_t parts = small.size() + (scatter_ ? 1 : 0);
+    std::vector<double> closed(std::size_t{1} << parts, 0.0);
+    const double nothing = sum(held_out_by_fold(model_, base, *d_.base_whitening, d_.search.fold));
+    std::optional<Refit> unscattered;
+    if (scatter_) unscattered = refit(model_, after.explanation, *d_.base_whitening, 15);
     for_each_index(closed.size(), options_.search.threads, [&](std::size_t subset) {
       Explanation part = after.explanation;
       for (std::size_t i = 0; i < small.size(); ++i)
         if (!((subset >> i) & 1U)) part = without_effect(part, small[i]);
-      const Refit fit =
-          subset + 1 == closed.size() ? after : refit(model_, part, whitening, 15, &after);
-      closed[subset] = nothing - sum(held_out_by_fold(model_, fit, whitening, d_.search.fold));
+      const bool bare = scatter_ && !((subset >> small.size()) & 1U);
+      const Whitening& noise = bare ? *d_.base_whitening : whitening;
+      const Refit& near = bare ? *unscattered : after;
+      const Refit fit = part.effects == chosen ? near : refit(model_, part, noise, 15, &near);
+      closed[subset] = nothing - sum(held_out_by_fold(model_, fit, noise, d_.search.fold));
     });
     const double whole = std::max(closed.back(), 1e-300);
     const double rest = d_.unexplained_g2 * static_cast<double>(after.residual.size());
     std::vector<double> share(n, 0.0);
-    const std::vector<double> of_small = shapley(closed, small.size());
+    const std::vector<double> of_small = shapley(closed, parts);
     for (std::size_t k = 0, next_small = 0; k < n; ++k) {
       share[k] = model_.effects()[chosen[k]].structural
                      ? closed.front() / static_cast<double>(n - small.size())
@@ -257,6 +334,16 @@ class Diagnoser {
       if (joint_probability(effect.name) >= options_.named && !outweighed &&
           !hollow.contains(chosen[k]))
         d_.causes.push_back(std::move(cause));
+    }
+    if (scatter_ && !significant_rest()) {
+      const ExcessVariance& found = *d_.excess;
+      const Effect& effect = model_.effects()[*scatter_];
+      const Parameter& size = effect.parameters.front();
+      d_.causes.push_back({effect.name,
+                           effect.family,
+                           found.probability,
+                           of_small.back() / whole,
+                           {{size.name, size.unit, {found.size, found.lo, found.hi}}}});
     }
     std::erase_if(d_.ambiguity_sets, [&](const std::vector<std::string>& set) {
       return std::none_of(d_.causes.begin(), d_.causes.end(), [&](const Cause& c) {
@@ -387,7 +474,7 @@ class Diagnoser {
 
   void verdict() {
     const bool left = significant_rest();
-    if (final_.refit.explanation.effects.empty()) {
+    if (final_.refit.explanation.effects.empty() && d_.causes.empty()) {
       d_.verdict = left ? Verdict::unexplained : Verdict::none_needed;
     } else if (d_.causes.empty()) {
       d_.verdict = Verdict::unexplained;
@@ -399,6 +486,8 @@ class Diagnoser {
   const ForwardModel& model_;
   const DiagnoseOptions& options_;
   Hypothesis final_;
+  /// The effect that scatters, where there is one in the explanation.
+  std::optional<std::size_t> scatter_;
   Diagnosis d_;
 };
 

@@ -4,9 +4,12 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "host/gap/engine/excess_variance.hpp"
 #include "host/gap/engine/forward_model.hpp"
 #include "host/gap/engine/search.hpp"
 #include "host/gap/engine/variation.hpp"
@@ -39,6 +42,15 @@ struct GapSize {
   double percent = 0;  ///< the even relative deviation of the signal that would show as much
 };
 
+/// 95 % intervals of a gap's size.
+struct GapInterval {
+  Interval g2, percent;
+};
+
+struct GapBounds {
+  GapInterval before, after, floor;
+};
+
 enum class Verdict { none_needed, explained, explained_in_part, unexplained };
 const char* to_string(Verdict verdict);
 
@@ -54,12 +66,13 @@ struct Diagnosis {
   Verdict verdict = Verdict::none_needed;
   GapSize before, after, floor;
   Interval closed_fraction;
-  Where where;                ///< of the base model's residual
-  Where unexplained;          ///< of what the causes leave
-  double unexplained_g2 = 0;  ///< beyond the floor
-  Variation variation;        ///< the same read as something known that varies
-  double unexplained_p = 1;   ///< of both, that noise alone leaves as much
-  std::vector<Cause> causes;  ///< largest share first
+  std::optional<GapBounds> bounds;  ///< where they were asked for (gap_bounds)
+  Where where;                      ///< of the base model's residual
+  Where unexplained;                ///< of what the causes leave
+  double unexplained_g2 = 0;        ///< beyond the floor
+  Variation variation;              ///< the same read as something known that varies
+  double unexplained_p = 1;         ///< of both, that noise alone leaves as much
+  std::vector<Cause> causes;        ///< largest share first
   /// Effects that this measurement cannot tell apart; each set holds a cause and its rivals.
   std::vector<std::vector<std::string>> ambiguity_sets;
   /// Probability of every effect in the catalogue, by name; families of one name are summed.
@@ -72,8 +85,18 @@ struct Diagnosis {
   };
   std::vector<Rival> rivals;
   std::vector<FurtherScan> next_scan;  ///< best per minute first; what an adapter found
+  /// What was found of the catalogue's effect that only scatters, where there is anything.
+  std::optional<ExcessVariance> excess;
+  /// The whitening of the base model's residual: without the scatter that a cause explains. Where
+  /// there is no such cause that of the search.
+  std::shared_ptr<const Whitening> base_whitening;
+  Refit best;  ///< the base with the causes, whitened as the search says
   SearchResult search;
 };
+
+/// Noise that no catalogue lists: as large as an effect of the kind `scatter`, but new in every
+/// observation. Its rival where no place is measured twice.
+inline constexpr const char* unseen_noise = "unseen_noise";
 
 struct DiagnoseOptions {
   SearchOptions search;

@@ -52,6 +52,10 @@ struct Effect {
   /// Grows in proportion to its parameters from where it is absent: its derivatives there are its
   /// signatures.
   bool linear = false;
+  /// Adds to the scatter and nothing to the mean: errors in proportion to the signal, fixed to the
+  /// place that is looked at and independent from place to place. One parameter, their standard
+  /// deviation over the signal; no probes.
+  bool scatter = false;
   /// The effect's possible signatures. Probes of one group act together (sine and cosine of an
   /// unknown phase); groups are alternatives (values of a parameter that shapes the signature).
   std::vector<std::vector<Probe>> probes = {};

@@ -170,6 +170,8 @@ LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whiteni
     }
   }
   residual_ = residual;
+  kept_by_fit_ = Eigen::VectorXd::Ones(observations);
+  kept_by_fit_ -= q.topRows(observations).rowwise().squaredNorm();
   fitted_rank_ = static_cast<double>(factor.rank());
   for (Eigen::Index i = 0; i < probes; ++i) {
     const double size = left.col(i).norm();
@@ -183,19 +185,23 @@ LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whiteni
 }
 
 LinearView::Left LinearView::left_by_everything() const {
-  if (left_.cols() == 0) return {residual_, fitted_rank_};
+  // An observation that decides a parameter by itself says nothing of the noise.
+  constexpr double least_kept = 0.05;
+  Eigen::VectorXd kept = kept_by_fit_.cwiseMax(least_kept);
+  if (left_.cols() == 0) return {residual_, std::move(kept), fitted_rank_};
   // Series of many terms would follow slow noise too.
   constexpr std::size_t many = 15;
   std::vector<Eigen::Index> used;
   for (const Candidate& c : candidates_)
     if (c.columns.size() < many) used.insert(used.end(), c.columns.begin(), c.columns.end());
-  if (used.empty()) return {residual_, fitted_rank_};
+  if (used.empty()) return {residual_, std::move(kept), fitted_rank_};
   // Signatures of alternatives repeat each other.
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> catalogue(Eigen::MatrixXd(left_(Eigen::all, used)));
   catalogue.setThreshold(1e-4);
   const Eigen::MatrixXd span =
       catalogue.householderQ() * Eigen::MatrixXd::Identity(left_.rows(), catalogue.rank());
-  return {residual_ - span * (span.transpose() * residual_),
+  kept = (kept - span.rowwise().squaredNorm()).cwiseMax(least_kept);
+  return {residual_ - span * (span.transpose() * residual_), std::move(kept),
           fitted_rank_ + static_cast<double>(catalogue.rank())};
 }
 

@@ -47,11 +47,12 @@ class LinearView {
   /// Largest gain of any single candidate (structural ones apart) in `draws` measurements that hold
   /// nothing but noise; ascending.
   std::vector<double> null_maxima(int draws, std::uint64_t seed) const;
-  /// Whitened residual that all candidates but series of many terms together leave, and how many
-  /// degrees of freedom they and the fitted parameters take: noise, as far as the catalogue knows.
+  /// What all candidates but series of many terms together leave: noise, as far as the catalogue
+  /// knows.
   struct Left {
-    Eigen::VectorXd residual;
-    double rank;
+    Eigen::VectorXd residual;  ///< whitened
+    Eigen::VectorXd kept;      ///< share of each observation's variance that is left in it
+    double rank;               ///< degrees of freedom that they and the fitted parameters take
   };
   Left left_by_everything() const;
 
@@ -85,7 +86,7 @@ class LinearView {
   Eigen::MatrixXd reduced_;     ///< signatures' Gram matrix, fitted parameters projected out
   Eigen::VectorXd reduced_right_;
   Eigen::Index fitted_ = 0;
-  Eigen::VectorXd residual_;
+  Eigen::VectorXd residual_, kept_by_fit_;
   Eigen::MatrixXd left_;  ///< signatures of unit length, fitted parameters projected out
   double fitted_rank_ = 0;
 };

@@ -8,9 +8,10 @@ namespace umov::gap {
 
 Whitening::Whitening(NoiseShape shape, RelativeNoise relative, double scale)
     : shape_(std::move(shape)), relative_(relative), white_sigma_(scale * shape_.sigma) {
-  if (relative_.white > 0 && shape_.relative.size() > 0)
+  const double fresh_or_fixed = std::hypot(relative_.white, relative_.pattern);
+  if (fresh_or_fixed > 0 && shape_.relative.size() > 0)
     white_sigma_ =
-        (white_sigma_.cwiseAbs2() + (relative_.white * shape_.relative).cwiseAbs2()).cwiseSqrt();
+        (white_sigma_.cwiseAbs2() + (fresh_or_fixed * shape_.relative).cwiseAbs2()).cwiseSqrt();
   std::vector<bool> filtered(static_cast<std::size_t>(white_sigma_.size()), false);
   if (relative_.slow > 0 && shape_.relative.size() > 0) {
     const double variance = relative_.slow * relative_.slow;
@@ -29,11 +30,27 @@ Whitening::Whitening(NoiseShape shape, RelativeNoise relative, double scale)
   }
   for (Eigen::Index i = 0; i < white_sigma_.size(); ++i)
     if (!filtered[static_cast<std::size_t>(i)]) ln_determinant_ += std::log(white_sigma_[i]);
+  if (relative_.pattern > 0 && shape_.relative.size() > 0) follow_places();
+}
+
+void Whitening::follow_places() {
+  Eigen::VectorXd inverse = white_sigma_.cwiseInverse();
+  for (std::size_t k = 0; k < inverse_.size(); ++k) inverse[shape_.order[k]] = inverse_[k];
+  for (const std::vector<Eigen::Index>& list : shape_.same_place) {
+    double known = 1;  // variance of the place's pattern, in its own unit
+    for (const Eigen::Index i : list) {
+      const double share = relative_.pattern * shape_.relative[i] * inverse[i];
+      const double variance = share * share * known + 1 - share * share;
+      const double gain = known * share / variance;
+      again_.push_back({i, share, gain, 1 / std::sqrt(variance), i == list.front()});
+      ln_determinant_ += 0.5 * std::log(variance);
+      known *= 1 - gain * share;
+    }
+  }
 }
 
 Eigen::MatrixXd Whitening::apply(const Eigen::MatrixXd& columns) const {
   Eigen::MatrixXd white = white_sigma_.cwiseInverse().asDiagonal() * columns;
-  if (gain_.empty()) return white;
   for (Eigen::Index c = 0; c < columns.cols(); ++c) {
     double state = 0;
     for (std::size_t k = 0; k < gain_.size(); ++k) {
@@ -42,19 +59,24 @@ Eigen::MatrixXd Whitening::apply(const Eigen::MatrixXd& columns) const {
       white(i, c) = innovation * inverse_[k];
       state = relative_.memory * (state + gain_[k] * innovation);
     }
+    for (const Again& a : again_) {
+      if (a.first) state = 0;
+      const double innovation = white(a.observation, c) - a.share * state;
+      white(a.observation, c) = innovation * a.inverse;
+      state += a.gain * innovation;
+    }
   }
   return white;
 }
 
-namespace {
-
-/// Twice the negative log-likelihood, up to a constant. Fits took `lost` of the residual's
-/// variance.
-double misfit(const NoiseShape& shape, const Eigen::VectorXd& residual, double lost,
+double misfit(const NoiseShape& shape, const Eigen::VectorXd& residual, const Eigen::VectorXd& kept,
               const RelativeNoise& noise, double scale) {
   const Whitening whitening(shape, noise, scale);
-  return 2 * whitening.ln_determinant() + whitening.apply(residual).squaredNorm() / (1 - lost);
+  return 2 * whitening.ln_determinant() +
+         whitening.apply(residual.cwiseQuotient(kept.cwiseSqrt())).squaredNorm();
 }
+
+namespace {
 
 /// Least gain of twice the log-likelihood for which a noise is believed: its size and memory are
 /// looked for over a wide range.
@@ -63,10 +85,9 @@ constexpr double least_gain = 8;
 }  // namespace
 
 RelativeNoise learn_relative_noise(const NoiseShape& shape, const Eigen::VectorXd& residual,
-                                   double fitted, double scale) {
+                                   const Eigen::VectorXd& kept, double scale) {
   if (shape.relative.size() == 0 || shape.order.size() < 20) return {};
-  const double lost = std::min(0.5, fitted / static_cast<double>(residual.size()));
-  const auto cost = [&](const RelativeNoise& n) { return misfit(shape, residual, lost, n, scale); };
+  const auto cost = [&](const RelativeNoise& n) { return misfit(shape, residual, kept, n, scale); };
   RelativeNoise best;
   double least = cost(best);
   const auto consider = [&](const RelativeNoise& n, double price) {
@@ -109,6 +130,17 @@ RelativeNoise learn_relative_noise(const NoiseShape& shape, const Eigen::VectorX
       for (const double beside : {white.white, 0.5 * white.white, 0.0})
         consider({beside, size, memory}, 1.5 * least_gain);
   if (best.slow > 0) polish(1.5 * least_gain);
+  // Where places repeat they tell what is fixed to them from what is new each time.
+  if (best.white > 0 && !shape.same_place.empty()) {
+    const RelativeNoise fresh = best;
+    const double price = best.slow > 0 ? 1.5 * least_gain : least_gain / 2;
+    for (const double share : {0.2, 0.4, 0.6, 0.8, 1.0}) {
+      RelativeNoise n = fresh;
+      n.pattern = std::sqrt(share) * fresh.white;
+      n.white = std::sqrt(1 - share) * fresh.white;
+      consider(n, price);
+    }
+  }
   return best;
 }
 

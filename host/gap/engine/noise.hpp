@@ -1,10 +1,14 @@
-// The noise of a measurement: white noise of known size, and a relative noise (of a source, say),
-// partly white and partly slow, whose sizes and memory are learned from the measurement itself.
+// The noise of a measurement: white noise of known size, and errors in proportion to the signal
+// whose sizes are learned from the measurement itself: new in every observation, slow, or fixed to
+// the place that is looked at.
 //
-// Errors are e_i + s_i (w_i + a_i) with independent e_i of standard deviation sigma_i, independent
-// w_i of standard deviation w, and a_i a stationary first-order autoregression in the order of
-// measurement: a_(i+1) = φ a_i + …, standard deviation r. Whitening by the Kalman filter of this
-// model: linear, O(n) a column, the same for residuals and derivatives.
+// Errors are e_i + s_i (w_i + a_i + p_g(i)) with independent e_i of standard deviation sigma_i,
+// independent w_i of standard deviation w, a_i a stationary first-order autoregression in the order
+// of measurement (a_(i+1) = φ a_i + …, standard deviation r), and p_g of standard deviation p, one
+// for each place g: the same again wherever a place is measured again. Whitening by the Kalman
+// filter of w and a, then of p among the observations of each place: linear, O(n) a column, the
+// same for residuals and derivatives; exact where no place repeats or r = 0, and near it where r is
+// small against the noise of one observation.
 #pragma once
 
 #include <vector>
@@ -21,13 +25,18 @@ struct NoiseShape {
   Eigen::VectorXd relative;
   /// Observations in the order they were measured; those without relative noise may be missing.
   std::vector<Eigen::Index> order;
+  /// Groups of observations that look at the same place; those of places seen once are in none.
+  std::vector<std::vector<Eigen::Index>> same_place = {};
+  /// One standard error of sigma², over the squared signal of those that the noise hides least.
+  double doubt = 0;
 };
 
 /// Sizes and memory of the relative noise.
 struct RelativeNoise {
-  double white = 0;   ///< w, of one observation
-  double slow = 0;    ///< r
-  double memory = 0;  ///< φ, from one observation to the next
+  double white = 0;    ///< w, of one observation
+  double slow = 0;     ///< r
+  double memory = 0;   ///< φ, from one observation to the next
+  double pattern = 0;  ///< p, of one place
 };
 
 class Whitening {
@@ -39,7 +48,7 @@ class Whitening {
   double ln_determinant() const { return ln_determinant_; }
   const NoiseShape& shape() const { return shape_; }
   const RelativeNoise& relative() const { return relative_; }
-  /// Standard deviation of each observation's white part.
+  /// Standard deviation of each observation's white part, the pattern included.
   const Eigen::VectorXd& white_sigma() const { return white_sigma_; }
 
  private:
@@ -48,12 +57,28 @@ class Whitening {
   Eigen::VectorXd white_sigma_;
   /// Along the order: gain of the filter and inverse standard deviation of the innovation.
   std::vector<double> gain_, inverse_;
+  /// Along each place that is seen more than once: which observation, what its predecessors say of
+  /// it, and the inverse standard deviation of what they do not.
+  struct Again {
+    Eigen::Index observation;
+    double share;    ///< of the pattern in the whitened observation
+    double gain;     ///< of the filter
+    double inverse;  ///< of the innovation's standard deviation
+    bool first;      ///< of its place
+  };
+  void follow_places();
+  std::vector<Again> again_;
   double ln_determinant_ = 0;
 };
 
-/// Sizes and memory that make `residual` most likely. `fitted`: degrees of freedom that were taken
-/// from it by fits. Zero sizes where the likelihood gains too little.
+/// Twice the negative log-likelihood of `residual`, up to a constant. `kept`: share of each
+/// observation's variance that fits have left in it.
+double misfit(const NoiseShape& shape, const Eigen::VectorXd& residual, const Eigen::VectorXd& kept,
+              const RelativeNoise& noise, double scale = 1.0);
+
+/// Sizes and memory that make `residual` most likely; `kept` as above. Zero sizes where the
+/// likelihood gains too little.
 RelativeNoise learn_relative_noise(const NoiseShape& shape, const Eigen::VectorXd& residual,
-                                   double fitted, double scale = 1.0);
+                                   const Eigen::VectorXd& kept, double scale = 1.0);
 
 }  // namespace umov::gap

@@ -116,12 +116,12 @@ SearchResult search(const ForwardModel& model, const SearchOptions& options) {
     // Noise that is not known beforehand is what the whole catalogue together cannot explain.
     const LinearView view(model, centre, whitening, result.fold, true, options.threads);
     const NoiseShape& shape = whitening.shape();
-    const auto [left, rank] = view.left_by_everything();
+    const auto [left, kept, rank] = view.left_by_everything();
     if (!model.noise_is_known())
       result.noise_scale =
           std::sqrt(left.squaredNorm() / (static_cast<double>(left.size()) - rank));
     result.relative_noise = learn_relative_noise(shape, left.cwiseProduct(whitening.white_sigma()),
-                                                 rank, result.noise_scale);
+                                                 kept, result.noise_scale);
     whitening = Whitening(shape, result.relative_noise, result.noise_scale);
     result.whitening = std::make_shared<Whitening>(whitening);
     base = refit(model, base.explanation, whitening);

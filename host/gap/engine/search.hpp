@@ -42,7 +42,9 @@ struct SearchResult {
   std::vector<Hypothesis> hypotheses;
   double noise_scale = 1;        ///< common factor of the white noise; 1 where it is known
   RelativeNoise relative_noise;  ///< as learned
-  std::shared_ptr<const Whitening> whitening;  ///< of all hypotheses
+  /// Of all hypotheses; where a diagnosis names an effect that scatters, of its best fit, and the
+  /// base's is Diagnosis::base_whitening.
+  std::shared_ptr<const Whitening> whitening;
   std::vector<int> fold;
   /// Structural effects taken in before the others that took away most of the misfit of their time.
   std::vector<std::size_t> structure;

@@ -100,7 +100,7 @@ std::vector<Carrier> carriers_of(const ForwardModel& model, const Refit& fit, in
   const Eigen::VectorXd errors = standard_errors(fit.precision);
   for (std::size_t e = 0; e < model.effects().size(); ++e) {
     const Effect& effect = model.effects()[e];
-    if (effect.structural) continue;
+    if (effect.structural || effect.probes.empty()) continue;
     const bool there = std::find(at.effects.begin(), at.effects.end(), e) != at.effects.end();
     tasks.push_back(
         {effect.name, effect.stage, effect.of_object,
@@ -158,8 +158,10 @@ Variation slow_wander(const ForwardModel& model, const Refit& fit, const Whiteni
   double without = std::numeric_limits<double>::infinity();
   for (int step = 0; step <= 40; ++step) {
     // All that the two parts have together, down to nothing.
-    const double white = std::hypot(learned.white, learned.slow) * (1 - 0.025 * step);
-    without = std::min(without, misfit(Whitening(whitening.shape(), {white, 0, 0}, noise_scale)));
+    RelativeNoise steady = learned;
+    steady.white = std::hypot(learned.white, learned.slow) * (1 - 0.025 * step);
+    steady.slow = steady.memory = 0;
+    without = std::min(without, misfit(Whitening(whitening.shape(), steady, noise_scale)));
   }
   // Its size and memory were looked for over a grid of thirty.
   constexpr double looked_at = 30;

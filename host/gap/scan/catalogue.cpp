@@ -68,6 +68,7 @@ class Catalogue {
     footprint();
     contamination();
     lobes();
+    scatter();
     reflectance();
     return std::move(effects_);
   }
@@ -303,6 +304,17 @@ class Catalogue {
         "fluorescent pigments",
         {one_sided("yield_532", "1", "albedo equivalent at the shortest wavelength", 3e-3, 1)},
         single(1e-5));
+  }
+
+  void scatter() {
+    add(EffectId::speckle, "speckle", "sample",
+        "Coherent light on a rough sample is granular: each place, wavelength and polarisation has "
+        "its own deviation from the mean, the same again whenever it is measured again. The "
+        "detector's disc averages the grains it holds, contrast 1/√(grains), beam area · solid "
+        "angle / wavelength² of them: 1e4 for a bench.",
+        "Goodman, Speckle Phenomena in Optics, 2007, ch. 4",
+        {one_sided("contrast", "1", "standard deviation over mean of the light", 3e-3, 0.5)}, {});
+    effects_[number(EffectId::speckle)].scatter = true;
   }
 
   /// Three numbers, one a wavelength, tried together.

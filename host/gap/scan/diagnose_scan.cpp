@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "host/errors/error.hpp"
+#include "host/gap/engine/gap_bounds.hpp"
 #include "host/gap/scan/confined_cells.hpp"
 #include "host/gap/scan/next_scan.hpp"
 
@@ -70,12 +71,14 @@ ScanDiagnosis diagnose_scans(const std::vector<formats::ScanTable>& scans,
     result.next_plan = plan_of(result.answer.next_scan.front(), model,
                                scans.front().key("sample").value_or("sample"));
   for (const formats::ScanTable& scan : scans) result.records += scan.size();
+  constexpr int bootstrap_draws = 1000;
+  result.answer.bounds = gap_bounds(model, result.answer, bootstrap_draws, engine.search.seed + 5);
   if (options.picture)
-    result.picture = std::make_shared<const Picture>(
-        picture_of(model, result.answer, engine.search.threads, engine.search.seed + 5));
+    result.picture =
+        std::make_shared<const Picture>(picture_of(model, result.answer, engine.search.threads));
   const Diagnosis& answer = result.answer;
   confine(result.answer.where, model, answer.search.hypotheses[answer.search.base].refit);
-  confine(result.answer.unexplained, model, best_refit(answer));
+  confine(result.answer.unexplained, model, answer.best);
   return result;
 }
 

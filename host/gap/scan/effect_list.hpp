@@ -45,6 +45,7 @@ enum class EffectId : std::size_t {
   near_specular_lobe,
   retroreflection_peak,
   fluorescence,
+  speckle,
   long_tails,
   second_roughness,
   forward_lobe,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -48,6 +49,31 @@ Rows one_state(const Rows& rows) {
   return result;
 }
 
+/// Two points of one incidence and one state, eight times each.
+Rows reference_points(const Rows& rows) {
+  constexpr double reference = 20.0;
+  constexpr int times = 8;
+  const auto is_one_state = [&](const Record& r) {
+    const Record& f = rows.front();
+    return r.theta_i == f.theta_i && r.polarizer_open == f.polarizer_open &&
+           r.analyzer_open == f.analyzer_open && r.polarizer == f.polarizer &&
+           r.analyzer == f.analyzer;
+  };
+  std::map<std::pair<std::size_t, double>, Record> nearest;  // by wavelength and point
+  for (const double point : {-optics::radians(reference), optics::radians(reference)}) {
+    for (const Record& r : rows) {
+      if (!is_one_state(r)) continue;
+      const auto [known, added] = nearest.try_emplace({r.wavelength, point}, r);
+      if (!added && std::abs(r.theta_r - point) < std::abs(known->second.theta_r - point))
+        known->second = r;
+    }
+  }
+  Rows result;
+  for (int k = 0; k < times; ++k)
+    for (const auto& [key, record] : nearest) result.push_back(record);
+  return result;
+}
+
 struct MenuItem {
   const char* name;
   double set_up_minutes;  ///< somebody turns, takes away or exchanges something
@@ -64,7 +90,7 @@ std::function<Rows(const Rows&)> changed(const Change& change) {
 }
 
 /// The menu as far as it shows in the signal chain. A white tile is another sample and comes in as
-/// a calibration, a repeat as replicates: neither is foretold here.
+/// a calibration: it is not foretold here.
 std::vector<MenuItem> menu() {
   return {
       {"reverse", 0, changed([](Record& r) { r.direction = -r.direction; })},
@@ -123,6 +149,7 @@ std::vector<MenuItem> menu() {
          }
          return result;
        }},
+      {"repeat", 0, reference_points},
       {"long_pass", 1, changed([](Record& r) { r.long_pass = true; })},
       {"no_sample", 2, changed([](Record& r) { r.sample_removed = true; })},
   };
@@ -176,11 +203,59 @@ double distance(const ScanModel& further, const Explanation& truth, const Refit&
   return std::sqrt(std::max(0.0, apart.squaredNorm() - pull.dot(scaled.ldlt().solve(pull))));
 }
 
+/// How well these places tell scatter that comes back from scatter that is new each time, as twice
+/// the ln of the odds that either is expected to gain over the other (the smaller of both): each
+/// place's measurements correlate with one another, or do not.
+double told_by_repeats(const NoiseShape& shape, const RelativeNoise& noise) {
+  const Whitening whitening(shape, {std::hypot(noise.white, noise.pattern), 0, 0});
+  double if_fixed = 0, if_fresh = 0;
+  for (const std::vector<Eigen::Index>& group : shape.same_place) {
+    const auto m = static_cast<Eigen::Index>(group.size());
+    Eigen::VectorXd part(m);
+    for (Eigen::Index k = 0; k < m; ++k) {
+      const Eigen::Index i = group[static_cast<std::size_t>(k)];
+      part[k] = noise.pattern * shape.relative[i] / whitening.white_sigma()[i];
+    }
+    Eigen::MatrixXd correlation = part * part.transpose();
+    correlation.diagonal().setOnes();
+    const Eigen::LDLT<Eigen::MatrixXd> factor(correlation);
+    const double ln_det = factor.vectorD().cwiseMax(1e-300).array().log().sum();
+    const double trace = factor.solve(Eigen::MatrixXd::Identity(m, m)).trace();
+    if_fixed -= ln_det;
+    if_fresh += ln_det + trace - static_cast<double>(m);
+  }
+  return std::min(if_fixed, if_fresh);
+}
+
+/// The named cause that scatters, if this scan cannot tell it from fresh noise; else empty.
+std::string unsettled_scatter(const Diagnosis& d) {
+  for (const auto& set : d.ambiguity_sets)
+    if (d.excess && std::find(set.begin(), set.end(), unseen_noise) != set.end())
+      for (const Cause& cause : d.causes)
+        if (std::find(set.begin(), set.end(), cause.effect) != set.end()) return cause.effect;
+  return {};
+}
+
+/// Distance of scatter from fresh noise once these records are there too, in standard deviations.
+double scatter_apart(const ScanModel& model, const ScanModel& further, const Diagnosis& d) {
+  Rows all = model.records().records;
+  const Rows& more = further.records().records;
+  all.insert(all.end(), more.begin(), more.end());
+  const ScanModel both = model.with_records(std::move(all));
+  const auto told = [&](const ScanModel& m) {
+    Eigen::VectorXd mean;
+    m.predict(d.best.explanation, mean, nullptr);
+    return told_by_repeats(m.noise(mean), d.excess->with);
+  };
+  return std::sqrt(std::max(0.0, told(both) - told(model)));
+}
+
 }  // namespace
 
 std::vector<FurtherScan> further_scans(const ScanModel& model, const Diagnosis& diagnosis) {
   const auto& pairs = diagnosis.rivals;
-  if (pairs.empty()) return {};
+  const std::string scatter = unsettled_scatter(diagnosis);
+  if (pairs.empty() && scatter.empty()) return {};
   const Rows rows = thinned(model.records().records);
   if (rows.empty()) return {};
   const Record& last = model.records().records.back();
@@ -203,6 +278,14 @@ std::vector<FurtherScan> further_scans(const ScanModel& model, const Diagnosis& 
       if (apart < worth_taking) continue;
       scan.separates.push_back({pair.effect, pair.rival_effect});
       least = std::min(least, apart);
+    }
+    if (!scatter.empty()) {
+      const ScanModel further = taken(model, further_rows, diagnosis.best.explanation);
+      const double apart = scatter_apart(model, further, diagnosis);
+      if (apart >= worth_taking) {
+        scan.separates.push_back({scatter, unseen_noise});
+        least = std::min(least, apart);
+      }
     }
     if (scan.separates.empty()) continue;
     scan.expected_separation = least;

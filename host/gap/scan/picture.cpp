@@ -8,8 +8,6 @@
 namespace umov::gap::scan {
 namespace {
 
-constexpr int bootstrap_draws = 1000;
-
 Signals signals_of(const Eigen::VectorXd& both) {
   const Eigen::Index n = both.size() / 2;
   return {{both.data(), both.data() + n}, {both.data() + n, both.data() + 2 * n}};
@@ -32,28 +30,9 @@ std::vector<NamedValue> values_of(const ScanModel& model, const Refit& fit, std:
 
 }  // namespace
 
-const Refit& best_refit(const Diagnosis& d) {
-  // The answer holds the fit's base parameters: the hypothesis with these values is the one.
-  const Refit* best = &d.search.hypotheses[d.search.base].refit;
-  double least = 1e300;
-  for (const Hypothesis& h : d.search.hypotheses) {
-    double apart = 0;
-    for (std::size_t i = 0; i < d.base.size(); ++i) {
-      const Interval& known = d.base[i].interval;
-      const double width = known.hi - known.lo + 1e-9 * std::abs(known.value) + 1e-300;
-      apart += std::abs(h.refit.explanation.base[i] - known.value) / width;
-    }
-    if (apart < least) {
-      least = apart;
-      best = &h.refit;
-    }
-  }
-  return *best;
-}
-
-Picture picture_of(const ScanModel& model, const Diagnosis& d, int threads, std::uint64_t seed) {
+Picture picture_of(const ScanModel& model, const Diagnosis& d, int threads) {
   const Refit& base = d.search.hypotheses[d.search.base].refit;
-  const Refit& best = best_refit(d);
+  const Refit& best = d.best;
   const Whitening& whitening = *d.search.whitening;
 
   Picture picture;
@@ -102,7 +81,11 @@ Picture picture_of(const ScanModel& model, const Diagnosis& d, int threads, std:
           {rival.effect, model.effects()[e], values_of(model, rival.rival, e)});
     }
   }
-  picture.bounds = gap_bounds(model, d, best, bootstrap_draws, seed);
+  for (const Effect& effect : model.effects())
+    if (effect.scatter && std::any_of(d.causes.begin(), d.causes.end(), [&](const Cause& cause) {
+          return cause.effect == effect.name;
+        }))
+      picture.scatter = effect;
   return picture;
 }
 

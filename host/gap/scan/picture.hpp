@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "host/gap/engine/diagnosis.hpp"
-#include "host/gap/scan/gap_bounds.hpp"
 #include "host/gap/scan/record.hpp"
 #include "host/gap/scan/scan_model.hpp"
 
@@ -46,13 +45,10 @@ struct Picture {
   Signals sigma;
   std::vector<Contribution> contributions;
   std::vector<Alternative> alternatives;
-  GapBounds bounds;
+  /// The cause that scatters, where one is named.
+  std::optional<Effect> scatter;
 };
 
-/// The fit behind the answer's causes and base parameters.
-const Refit& best_refit(const Diagnosis& diagnosis);
-
-Picture picture_of(const ScanModel& model, const Diagnosis& diagnosis, int threads,
-                   std::uint64_t seed);
+Picture picture_of(const ScanModel& model, const Diagnosis& diagnosis, int threads);
 
 }  // namespace umov::gap::scan

@@ -77,6 +77,7 @@ class ScanModel : public ForwardModel {
   int lobe_ = -1;
   std::vector<calibrate::NoiseModel> noise_;
   Observations observations_;
+  std::vector<std::vector<Eigen::Index>> same_place_;  ///< as in NoiseShape
   std::vector<Parameter> base_;
   std::vector<Effect> effects_;
   std::vector<KnownEffect> known_;

@@ -10,6 +10,7 @@
 
 #include "host/formats/scan_csv.hpp"
 #include "host/gap/engine/folds.hpp"
+#include "host/gap/engine/gap_bounds.hpp"
 #include "host/gap/engine/refit.hpp"
 #include "host/gap/scan/effect_list.hpp"
 #include "host/gap/scan/picture.hpp"
@@ -53,12 +54,19 @@ Diagnosis answer_with(const std::vector<EffectId>& effects) {
   d.before = {base.chi2 / static_cast<double>(base.residual.size()) - 1, 1};
   d.after = {best.chi2 / static_cast<double>(best.residual.size()) - 1, 0.5};
   d.floor = {0.002, 0.1};
+  d.base_whitening = d.search.whitening;
+  d.best = best;
+  d.bounds = gap_bounds(model(), d, 1000, 1);
   return d;
 }
 
+const Diagnosis& two_effects_answer() {
+  static const Diagnosis answer = answer_with({EffectId::detector_zero, EffectId::laser_drift});
+  return answer;
+}
+
 const Picture& two_effects() {
-  static const Picture picture =
-      picture_of(model(), answer_with({EffectId::detector_zero, EffectId::laser_drift}), 1, 1);
+  static const Picture picture = picture_of(model(), two_effects_answer(), 1);
   return picture;
 }
 
@@ -89,7 +97,7 @@ TEST(Picture, contributions_of_small_effects_add_up_to_what_all_of_them_change) 
   ASSERT_EQ(p.contributions.size(), 2u);
   EXPECT_TRUE(p.contributions[0].named);
   EXPECT_FALSE(p.contributions[1].named);
-  Explanation none = best_refit(d).explanation;
+  Explanation none = d.best.explanation;
   EXPECT_EQ(none.effects.size(), 2u);
   none = without_effect(without_effect(none, number(EffectId::detector_zero)),
                         number(EffectId::laser_drift));
@@ -109,7 +117,7 @@ TEST(Picture, contributions_of_small_effects_add_up_to_what_all_of_them_change) 
 }
 
 TEST(Picture, one_effect_explains_all_that_is_between_base_and_best) {
-  const Picture p = picture_of(model(), answer_with({EffectId::detector_zero}), 1, 1);
+  const Picture p = picture_of(model(), answer_with({EffectId::detector_zero}), 1);
   ASSERT_EQ(p.contributions.size(), 1u);
   const Contribution& c = p.contributions[0];
   EXPECT_EQ(c.effect.name, "detector_zero");
@@ -121,7 +129,7 @@ TEST(Picture, one_effect_explains_all_that_is_between_base_and_best) {
 }
 
 TEST(Picture, sizes_of_the_gap_lie_within_their_intervals) {
-  const GapBounds& b = two_effects().bounds;
+  const GapBounds& b = *two_effects_answer().bounds;
   for (const GapInterval* i : {&b.before, &b.after, &b.floor}) {
     EXPECT_LE(i->g2.lo, i->g2.value);
     EXPECT_GE(i->g2.hi, i->g2.value);

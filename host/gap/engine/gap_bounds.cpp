@@ -1,4 +1,4 @@
-#include "host/gap/scan/gap_bounds.hpp"
+#include "host/gap/engine/gap_bounds.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "host/gap/engine/folds.hpp"
 #include "host/gap/engine/linear_view.hpp"
 
-namespace umov::gap::scan {
+namespace umov::gap {
 namespace {
 
 constexpr double two_sided_95 = 1.959964;
@@ -30,9 +30,10 @@ GapInterval interval_of(const GapSize& size, double below, double above, const R
 
 }  // namespace
 
-GapBounds gap_bounds(const ForwardModel& model, const Diagnosis& diagnosis, const Refit& after,
-                     int draws, std::uint64_t seed) {
+GapBounds gap_bounds(const ForwardModel& model, const Diagnosis& diagnosis, int draws,
+                     std::uint64_t seed) {
   const Whitening& whitening = *diagnosis.search.whitening;
+  const Refit& after = diagnosis.best;
   const Refit& base = diagnosis.search.hypotheses[diagnosis.search.base].refit;
   const std::vector<int>& row = model.observations().row;
   std::vector<int> rows = row;
@@ -44,9 +45,9 @@ GapBounds gap_bounds(const ForwardModel& model, const Diagnosis& diagnosis, cons
                            1);
   for (const int b : block) size[static_cast<std::size_t>(b)] += 1;
 
-  const auto drawn = [&](const Refit& fit, const GapSize& gap, std::uint64_t own_seed) {
-    const std::vector<double> chi2 =
-        LinearView(model, fit, whitening, block, false).held_out_by_fold();
+  const auto drawn = [&](const Refit& fit, const Whitening& noise, const GapSize& gap,
+                         std::uint64_t own_seed) {
+    const std::vector<double> chi2 = LinearView(model, fit, noise, block, false).held_out_by_fold();
     double sum = 0, count = 0;
     for (std::size_t i = 0; i < chi2.size(); ++i) {
       sum += chi2[i];
@@ -67,12 +68,13 @@ GapBounds gap_bounds(const ForwardModel& model, const Diagnosis& diagnosis, cons
     std::sort(found.begin(), found.end());
     const std::size_t tail = found.size() / 40;
     return interval_of(gap, std::max(0.0, centre - found[tail]),
-                       std::max(0.0, found[found.size() - 1 - tail] - centre), fit, whitening);
+                       std::max(0.0, found[found.size() - 1 - tail] - centre), fit, noise);
   };
   const double chance =
       two_sided_95 * std::sqrt(2.0 / static_cast<double>(model.observations().value.size()));
-  return {drawn(base, diagnosis.before, seed + 1), drawn(after, diagnosis.after, seed + 2),
+  return {drawn(base, *diagnosis.base_whitening, diagnosis.before, seed + 1),
+          drawn(after, whitening, diagnosis.after, seed + 2),
           interval_of(diagnosis.floor, chance, chance, after, whitening)};
 }
 
-}  // namespace umov::gap::scan
+}  // namespace umov::gap
