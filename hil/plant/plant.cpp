@@ -56,6 +56,11 @@ double gamma_deviate(double contrast, double normal) {
   return root * root * root;
 }
 
+/// Of all that is new whenever the instrument is switched on.
+std::uint64_t chance_seed(const PlantSetup& setup) {
+  return setup.session == 0 ? setup.seed : derive_key(setup.seed, 1000 + setup.session);
+}
+
 }  // namespace
 
 /// Fundamentals in volts at range 1 at one moment.
@@ -69,7 +74,7 @@ struct Plant::Beams {
 Plant::Plant(PlantSetup setup)
     : config_(std::move(setup.config)),
       own_sample_(std::move(setup.sample)),
-      noise_seed_(derive_key(setup.seed, 100)),
+      noise_seed_(derive_key(chance_seed(setup), 100)),
       speckle_seed_(derive_key(setup.seed, 101)) {
   if (!own_sample_) throw Error("the instrument has no sample", "give a sample by name or file");
   set_sample(own_sample_);
@@ -77,7 +82,7 @@ Plant::Plant(PlantSetup setup)
     stages_.emplace_back(setup.travel[i], config_.axis[i], derive_key(setup.seed, i));
   }
   for (std::size_t i = 0; i < laser_count; ++i) {
-    power_.emplace_back(config_.laser[i], derive_key(setup.seed, 10 + i));
+    power_.emplace_back(config_.laser[i], derive_key(chance_seed(setup), 10 + i));
   }
 }
 

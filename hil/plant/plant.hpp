@@ -38,6 +38,9 @@ struct PlantSetup {
   std::array<AxisTravel, axis_count> travel = reference_travel();
   std::shared_ptr<const Sample> sample;
   std::uint64_t seed = 1;
+  /// Which time the instrument was switched on: noise and the sources' wanderings differ from one
+  /// to the next, stages and speckle do not.
+  std::uint64_t session = 0;
 };
 
 /// Signal and monitor as the lock-in would see them without noise, volts referred to range 1.

@@ -53,6 +53,7 @@ Instrument choose_instrument(const DeviceChoice& choice, const std::string& plan
   bench.plant_file = choice.plant_file;
   bench.settings = choice.plant_settings;
   bench.seed = seed;
+  bench.session = choice.session;
   // Started with the first connection: what is wrong with it is then told like any other refusal.
   const auto running = std::make_shared<std::shared_ptr<emulator::EmulatedInstrument>>();
   const auto instrument = [bench, running] {

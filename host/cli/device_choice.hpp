@@ -16,13 +16,16 @@ class App;
 
 namespace umov::cli {
 
-/// What the user said about the instrument. The last four concern the embedded emulator only.
+/// What the user said about the instrument. All but the first concern the embedded emulator only.
 struct DeviceChoice {
   std::string device = "emulator";
   std::string sample;  ///< empty: by the plan's sample name
   std::string preset = "ideal";
   std::string plant_file;
   std::vector<std::string> plant_settings;  ///< "key=value"
+  /// Which of several scans on one bench: chance (noise, drift) differs between them, the bench and
+  /// its speckle do not.
+  std::uint64_t session = 0;
 };
 
 void add_device_options(CLI::App& command, DeviceChoice& choice);

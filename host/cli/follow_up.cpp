@@ -1,7 +1,6 @@
 #include "host/cli/follow_up.hpp"
 
 #include <filesystem>
-#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -117,6 +116,9 @@ void add_follow_up_options(CLI::App& command, FollowUpOptions& options) {
                   "folder of the further scans (default: beside the first scan)")
       ->needs(device);
   add_plant_options(command, options.instrument);
+  // They describe the instrument that takes further scans: without these they would say nothing.
+  for (const char* name : {"--sample", "--preset", "--plant", "--plant-set"})
+    command.get_option(name)->needs(device);
 }
 
 FollowUps take_follow_ups(const FollowUpOptions& options, const Common& common,
@@ -127,7 +129,6 @@ FollowUps take_follow_ups(const FollowUpOptions& options, const Common& common,
   const std::string first = files.front();
   const std::string sample = scans.front().key("sample").value_or("");
   const std::string known_instrument = instrument_of(scans.front());
-  std::optional<Instrument> instrument;
   for (int round = 1; round <= options.rounds; ++round) {
     const gap::Outcome before = outcome_of(result.answer);
     if (before.ambiguity_sets.empty()) break;
@@ -140,21 +141,20 @@ FollowUps take_follow_ups(const FollowUpOptions& options, const Common& common,
         write_plan(options, first, result.next_plan, static_cast<std::size_t>(round));
     catch_interrupts();
     Progress progress(fmt::format("scan {}", menu), common.quiet || common.json);
-    if (!instrument) {
-      DeviceChoice choice = options.instrument;
-      choice.device = options.device;
-      instrument = choose_instrument(choice, sample, common.seed);
-    }
+    DeviceChoice choice = options.instrument;
+    choice.device = options.device;
+    // Chance is not the same again: the first scan was session 0.
+    choice.session = static_cast<std::uint64_t>(round);
+    const Instrument instrument = choose_instrument(choice, sample, common.seed);
     const std::vector<std::string> hands = by_hand(p.read);
-    if (!hands.empty() && !instrument->arrange && !operator_at_terminal() &&
-        !fs::exists(p.output)) {
+    if (!hands.empty() && !instrument.arrange && !operator_at_terminal() && !fs::exists(p.output)) {
       done.ended = fmt::format(
           "the scan \"{}\" needs a hand at the instrument: {} Then run at a terminal: umov scan {} "
           "--device {} -o {}, and diagnose both files together",
           menu, fmt::join(hands, " "), p.plan.string(), options.device, p.output.string());
       break;
     }
-    measure(p, common, *instrument, progress);
+    measure(p, common, instrument, progress);
     formats::ScanTable further = formats::read_scan(p.output.string()).table;
     if (!known_instrument.empty() && instrument_of(further) != known_instrument)
       throw Error(Place{p.output.string()},

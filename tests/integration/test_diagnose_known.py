@@ -118,6 +118,11 @@ class DiagnoseKnown(UmovCase):
         instrument = ["--sample", "sample.toml", "--plant", "bench.toml"]
         self.calibrate("cal.h5", "--plant", "bench.toml")
         self.measure("scan.h5", "--plant", "bench.toml")
+        # What describes an instrument is of no use where none is to measure.
+        for option, value in (("--sample", "sample.toml"), ("--plant", "bench.toml"), ("--preset", "realistic"),
+                              ("--plant-set", "axis.detector.zero_deg=1")):
+            done = self.refused("diagnose", "scan.h5", "--calibration", "cal.h5", option, value, code=2)
+            self.assertIn("--follow-up", done.stderr)
         # The scan is of the instrument itself: another one may not take the follow-up.
         follow_up = ["scan.h5", "--calibration", "cal.h5", "--follow-up", "emulator"]
         done = self.refused("diagnose", *follow_up, *instrument, "--seed", 99, "--keep", "other", "--quiet")

@@ -121,6 +121,7 @@ EmulatedInstrument::EmulatedInstrument(const BenchOptions& options,
   own_sample_ = plant::make_sample(options.sample);
   setup.sample = own_sample_;
   setup.seed = options.seed;
+  setup.session = options.session;
   plant_ = std::make_unique<plant::Plant>(std::move(setup));
   wiring_ = std::make_unique<Wiring>(*plant_);
   boards::native::NativeBoardOptions board;

@@ -23,6 +23,8 @@ struct BenchOptions {
   std::string plant_file;             ///< TOML of plant parameters; replaces the preset
   std::vector<std::string> settings;  ///< "parameter=value", applied last
   std::uint64_t seed = 1;             ///< of all its randomness
+  /// Which time it is switched on (PlantSetup::session); the same bench every time.
+  std::uint64_t session = 0;
 };
 
 /// Serial number of the emulated instrument, "EMU-" and 8 hex digits: the same for every start with

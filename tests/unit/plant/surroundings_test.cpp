@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "expected_signal.hpp"
@@ -211,6 +213,25 @@ TEST(Speckle, ComesBackWithTheGeometryAndChangesWithThePlace) {
   EXPECT_NE(signal(bench, 30, 10) / signal(good, 30, 10), first);
   bench.plant().arrange({});
   EXPECT_EQ(signal(bench, 30, 10) / signal(good, 30, 10), first);
+}
+
+TEST(Session, HasItsOwnNoiseOnTheSameBenchWithTheSameSpeckle) {
+  const auto codes = [](std::uint64_t session) {
+    PlantSetup setup;
+    setup.config = with({"speckle.contrast=0.1", "amplifier.input_noise_v=1e-3"});
+    setup.sample = make_sample("white-99");
+    setup.session = session;
+    Plant plant(std::move(setup));
+    std::vector<std::uint16_t> signal(512), monitor(512);
+    plant.set_laser(0, true, 0.0);
+    plant.set_shutter(true, 0.0);
+    plant.sample(1.0, 100000.0, 0, signal, monitor);
+    return std::pair(signal, plant.expected(1.0).x_v);
+  };
+  const auto first = codes(0), again = codes(0), later = codes(1);
+  EXPECT_EQ(first.first, again.first);
+  EXPECT_NE(first.first, later.first);
+  EXPECT_EQ(first.second, later.second);
 }
 
 TEST(Speckle, HasItsContrastAndMeanOneOverManyGeometries) {
