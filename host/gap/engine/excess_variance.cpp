@@ -30,6 +30,15 @@ class Likelihood {
  public:
   Likelihood(const NoiseShape& shape, const Leftover& leftover, const RelativeNoise& learned)
       : shape_(shape), leftover_(leftover) {
+    // What fits took is not there to count twice: of so many observations as many are independent
+    // as there were less the parameters, here weighed by what each says of the scatter.
+    double all = 0, kept = 0;
+    for (Eigen::Index i = 0; i < shape.sigma.size(); ++i) {
+      const double weight = std::pow(shape.relative[i] / shape.sigma[i], 4);
+      all += weight;
+      kept += weight * leftover.kept[i];
+    }
+    if (all > 0) independent_ = kept / all;
     // The slow part as it is beside the excess, and as it is where it must stand in for it.
     slow_.push_back({});
     if (learned.slow > 0) slow_.push_back({0, learned.slow, learned.memory});
@@ -92,12 +101,14 @@ class Likelihood {
  private:
   double of(const RelativeNoise& n) const {
     constexpr double price_of_slow = 6;  // as in learning: its size and memory were looked for
-    return -0.5 * misfit(shape_, leftover_.residual, leftover_.kept, n, leftover_.noise_scale) -
+    return -0.5 * independent_ *
+               misfit(shape_, leftover_.residual, leftover_.kept, n, leftover_.noise_scale) -
            (n.slow > 0 ? price_of_slow : 0.0);
   }
 
   const NoiseShape& shape_;
   const Leftover& leftover_;
+  double independent_ = 1;  ///< share of the observations
   std::vector<RelativeNoise> slow_, stand_ins_;
 };
 
