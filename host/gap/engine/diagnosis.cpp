@@ -174,8 +174,8 @@ class Diagnoser {
     const auto& without = options_.search.without;
     const bool excluded = std::find(without.begin(), without.end(), number) != without.end();
     // Fresh noise is no effect: it is in the noise as learned.
-    const bool seen = excluded ? found.probability >= options_.named
-                               : found.joint_probability() >= options_.named;
+    const bool alone = excluded || !found.ambiguous(options_.ambiguous);
+    const bool seen = (alone ? found.probability : found.joint_probability()) >= options_.named;
     if (!seen) return;
     RelativeNoise rest = found.with;
     rest.pattern = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include <fmt/format.h>
@@ -152,6 +153,16 @@ ScanRecords prepare_records(const std::vector<formats::ScanTable>& scans,
   return out;
 }
 
+std::array<long long, 8> place_of(const Record& r) {
+  const auto exact = [](double number) { return std::llround(number * 1e6); };
+  const int arrangement = (r.polarizer_open ? 1 : 0) + (r.analyzer_open ? 2 : 0) +
+                          (r.sample_flipped ? 4 : 0) + (r.long_pass ? 8 : 0) +
+                          (r.sample_removed ? 16 : 0) + (r.shutter_open ? 0 : 32);
+  return {
+      exact(r.theta_i),   exact(r.theta_r),  exact(r.phi_r), static_cast<long long>(r.wavelength),
+      exact(r.polarizer), exact(r.analyzer), arrangement,    exact(r.iris_fraction)};
+}
+
 void thin(ScanRecords& records, std::size_t most) {
   const std::size_t all = records.records.size();
   if (most == 0 || all <= most) return;
@@ -159,11 +170,19 @@ void thin(ScanRecords& records, std::size_t most) {
   std::vector<Record> kept;
   std::size_t place = 0;
   int row = -1;
+  constexpr int often = 3;
+  std::map<std::array<long long, 8>, int> times;
+  for (const Record& r : records.records) ++times[place_of(r)];
+  std::map<std::array<long long, 8>, bool> keep;
   for (const Record& r : records.records) {
     place = r.row == row ? place + 1 : 0;
     row = r.row;
+    const auto where = place_of(r);
     // Rows begin at different places, so that together they see every angle.
-    if ((place + static_cast<std::size_t>(row)) % every == 0) kept.push_back(r);
+    const bool due = (place + static_cast<std::size_t>(row)) % every == 0;
+    const bool lit = r.shutter_open && !r.sample_removed;
+    if (lit ? keep.try_emplace(where, due || times[where] >= often).first->second : due)
+      kept.push_back(r);
   }
   records.records = std::move(kept);
   records.notes.push_back(

@@ -1,6 +1,7 @@
 // What a lock-in record was taken with, in radians and plain numbers, ready for the signal chain.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -33,6 +34,10 @@ struct Record {
   int row;  ///< line of detector angles it belongs to
 };
 
+/// Which spot is seen in which light and through what: records with the same numbers see the same
+/// speckle, whenever they were taken.
+std::array<long long, 8> place_of(const Record& record);
+
 /// As many as the chain carries at a time.
 inline constexpr std::size_t most_wavelengths = 8;
 
@@ -53,7 +58,9 @@ struct ScanRecords {
 ScanRecords prepare_records(const std::vector<formats::ScanTable>& scans,
                             const calibrate::Calibration* calibration = nullptr);
 
-/// Keeps at most about `most` records, evenly along every row (0: all), with a note.
+/// Keeps at most about `most` records, evenly along every row (0: all), with a note. Places that
+/// were measured again are kept or left out with all their records, those of three and more are
+/// kept.
 void thin(ScanRecords& records, std::size_t most);
 
 }  // namespace umov::gap::scan

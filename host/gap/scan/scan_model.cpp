@@ -42,17 +42,11 @@ double median(std::vector<double> values) {
 /// a detector sees is the same in them. Groups of one are left out.
 std::vector<std::vector<Eigen::Index>> repeated_places(const std::vector<Record>& records,
                                                        const std::vector<std::size_t>& used) {
-  const auto exact = [](double number) { return std::llround(number * 1e6); };
   std::map<std::array<long long, 8>, std::vector<Eigen::Index>> members;
   for (std::size_t i = 0; i < used.size(); ++i) {
     const Record& r = records[used[i]];
     if (!r.shutter_open || r.sample_removed) continue;  // no light from the sample
-    const int arrangement = (r.polarizer_open ? 1 : 0) + (r.analyzer_open ? 2 : 0) +
-                            (r.sample_flipped ? 4 : 0) + (r.long_pass ? 8 : 0);
-    members[{exact(r.theta_i), exact(r.theta_r), exact(r.phi_r),
-             static_cast<long long>(r.wavelength), exact(r.polarizer), exact(r.analyzer),
-             arrangement, exact(r.iris_fraction)}]
-        .push_back(static_cast<Eigen::Index>(i));
+    members[place_of(r)].push_back(static_cast<Eigen::Index>(i));
   }
   std::vector<std::vector<Eigen::Index>> groups;
   for (auto& [place, list] : members)
