@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <random>
 #include <set>
 
@@ -360,15 +361,21 @@ class Diagnoser {
     keep(best);
     std::vector<std::set<std::string>> sets;
     const double ln_odds = log_prior_odds(model_, options_.search);
-    for (const std::size_t member : best.refit.explanation.effects) {
-      if (carries(member)) continue;
+    std::vector<std::size_t> members;
+    for (const std::size_t e : best.refit.explanation.effects)
+      if (!carries(e)) members.push_back(e);
+    // What effects look like hardly depends on the cause that is on trial.
+    std::optional<LinearView> near;
+    if (members.size() > 1)
+      near.emplace(model_, best.refit, whitening, d_.search.fold, true, options_.search.threads);
+    for (const std::size_t member : members) {
       std::set<std::string> set{model_.effects()[member].name};
       // Where the cause is taken away and nothing else has moved yet: a rival starts from what it
       // would have to stand in for, with all other parameters where they belong.
       const Refit smaller =
           refit(model_, without_effect(best.refit.explanation, member), whitening, 0, &best.refit);
       const LinearView view(model_, smaller, whitening, d_.search.fold, true,
-                            options_.search.threads);
+                            options_.search.threads, near ? &*near : nullptr);
       // The linear view overrates what a rival could do as often as not: half of what it sees of
       // the cause itself will do for a trial.
       double own = 0;

@@ -69,7 +69,8 @@ double ln_det(const Eigen::LDLT<Eigen::MatrixXd>& factor) {
 }  // namespace
 
 LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whitening& whitening,
-                       const std::vector<int>& fold, bool with_candidates, int threads)
+                       const std::vector<int>& fold, bool with_candidates, int threads,
+                       const LinearView* near)
     : model_(model) {
   const Eigen::Index observations = at.residual.size();
   fitted_ = static_cast<Eigen::Index>(at.free.size());
@@ -94,12 +95,26 @@ LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whiteni
   const Eigen::Index probes = static_cast<Eigen::Index>(members_.size());
   Eigen::MatrixXd columns(observations, fitted_ + probes);
   columns.leftCols(fitted_) = at.jacobian(Eigen::all, at.free);
+  std::vector<bool> known(members_.size(), false);
+  if (near != nullptr) {
+    for (std::size_t m = 0; m < members_.size(); ++m) {
+      const auto same =
+          std::find_if(near->members_.begin(), near->members_.end(), [&](const Member& other) {
+            return other.effect == members_[m].effect && other.probe == members_[m].probe;
+          });
+      known[m] = same != near->members_.end();
+      if (known[m])
+        columns.col(fitted_ + static_cast<Eigen::Index>(m)) =
+            near->signatures_.col(same - near->members_.begin());
+    }
+  }
   // Signatures in proportion to their parameters are derivatives, all of an effect at once.
   std::vector<std::size_t> linear;
   for (std::size_t e = 0; e < effects; ++e) {
-    const auto is_of = [e](const Member& m) { return m.effect == e; };
-    if (model.effects()[e].linear && std::any_of(members_.begin(), members_.end(), is_of))
-      linear.push_back(e);
+    bool wanted = false;
+    for (std::size_t m = 0; m < members_.size(); ++m)
+      wanted = wanted || (members_[m].effect == e && !known[m]);
+    if (model.effects()[e].linear && wanted) linear.push_back(e);
   }
   for_each_index(linear.size(), threads, [&](std::size_t i) {
     const Eigen::MatrixXd derivatives = linear_signatures(model, at, linear[i]);
@@ -113,7 +128,7 @@ LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whiteni
     }
   });
   for_each_index(members_.size(), threads, [&](std::size_t i) {
-    if (model.effects()[members_[i].effect].linear) return;
+    if (known[i] || model.effects()[members_[i].effect].linear) return;
     Eigen::VectorXd shifted;
     model.predict(with_effect(at.explanation, members_[i].effect, members_[i].probe), shifted,
                   nullptr);
@@ -122,6 +137,7 @@ LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whiteni
     columns.col(fitted_ + static_cast<Eigen::Index>(i)) =
         signature.allFinite() ? signature : Eigen::VectorXd(Eigen::VectorXd::Zero(observations));
   });
+  signatures_ = columns.rightCols(probes);
   const Eigen::VectorXd& residual = at.residual;
 
   const int count = fold.empty() ? 0 : *std::max_element(fold.begin(), fold.end()) + 1;

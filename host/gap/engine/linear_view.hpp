@@ -32,8 +32,11 @@ class LinearView {
  public:
   /// `at` must be a minimum. `with_candidates` false: only what is fitted, for held_out_by_fold().
   /// Without folds nothing can be withheld.
+  /// With `near`, a view under the same whitening of an explanation that differs little: the
+  /// signatures that it has serve here too.
   LinearView(const ForwardModel& model, const Refit& at, const Whitening& whitening,
-             const std::vector<int>& fold, bool with_candidates = true, int threads = 1);
+             const std::vector<int>& fold, bool with_candidates = true, int threads = 1,
+             const LinearView* near = nullptr);
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
   /// Best coefficients within the signs that are physical.
@@ -87,7 +90,8 @@ class LinearView {
   Eigen::VectorXd reduced_right_;
   Eigen::Index fitted_ = 0;
   Eigen::VectorXd residual_, kept_by_fit_;
-  Eigen::MatrixXd left_;  ///< signatures of unit length, fitted parameters projected out
+  Eigen::MatrixXd signatures_;  ///< whitened, as they are
+  Eigen::MatrixXd left_;        ///< signatures of unit length, fitted parameters projected out
   double fitted_rank_ = 0;
 };
 
