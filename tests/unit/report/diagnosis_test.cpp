@@ -71,9 +71,6 @@ Picture picture(double step_deg) {
                              "Malus",
                              {{"angle_deg", "deg", "axis minus command"}}},
                             {{"angle_deg", "deg", {0.9, 0.8, 1.0}}}});
-  p.bounds.before = {{16, 14, 18}, {2, 1.8, 2.2}};
-  p.bounds.after = {{0.01, -0.01, 0.03}, {0.05, 0, 0.09}};
-  p.bounds.floor = {{0.002, -0.02, 0.02}, {0.02, 0, 0.07}};
   return p;
 }
 
@@ -84,6 +81,9 @@ gap::scan::ScanDiagnosis diagnosis(double step_deg = 4) {
   d.before = {16, 2};
   d.after = {0.01, 0.05};
   d.floor = {0.002, 0.02};
+  d.bounds = gap::GapBounds{{{16, 14, 18}, {2, 1.8, 2.2}},
+                            {{0.01, -0.01, 0.03}, {0.05, 0, 0.09}},
+                            {{0.002, -0.02, 0.02}, {0.02, 0, 0.07}}};
   d.closed_fraction = {0.99, 0.97, 1.01};
   d.causes.push_back(
       {"polarizer_leakage", "", 0.6, 1.0, {{"extinction", "1", {2.46e-4, 2.32e-4, 2.60e-4}}}});
