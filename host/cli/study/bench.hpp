@@ -1,16 +1,26 @@
 // The emulated instrument of a study: one that runs on from scan to scan, as a bench does.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "host/cli/emulator/emulated_instrument.hpp"
 #include "host/cli/study/study.hpp"
 #include "host/formats/scan_table.hpp"
 
 namespace umov::study {
+
+/// Signal constants of the emulated instrument as its data sheet has them, V: for scans that are
+/// used without a calibration.
+inline constexpr std::array<std::pair<const char*, const char*>, 4> data_sheet{
+    {{"gain_constant_532", "760"},
+     {"gain_constant_633", "820"},
+     {"gain_constant_814", "800"},
+     {"gain_constant_relative_u", "0.02"}}};
 
 /// Measures plans. Its lasers warm up once; what drifts, drifts through all scans.
 class Bench {

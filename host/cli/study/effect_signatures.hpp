@@ -18,7 +18,7 @@ struct EffectSignature {
   const gap::Effect* effect = nullptr;
   std::vector<double> alpha;  ///< the size drawn
   /// Change of every observation in units of its noise: X of all records, then Y.
-  Eigen::VectorXd alone;  ///< all else held
+  Eigen::VectorXd alone;  ///< all else held; empty where this scan has no place for the effect
   Eigen::VectorXd left;   ///< base parameters fitted anew, to first order
   double size = 0;        ///< length of `left`; 0 where a refit takes up all of it
   /// Effects whose `left` points the same way, with the cosine, most alike first.

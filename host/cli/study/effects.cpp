@@ -26,13 +26,6 @@ namespace {
 using gap::scan::Record;
 using gap::scan::ScanModel;
 
-/// Signal constants of the emulated instrument as its data sheet has them, V.
-constexpr std::array<std::pair<const char*, const char*>, 4> data_sheet{
-    {{"gain_constant_532", "760"},
-     {"gain_constant_633", "820"},
-     {"gain_constant_814", "800"},
-     {"gain_constant_relative_u", "0.02"}}};
-
 /// White noise of the light that the monitor misses, beside the records' own: as on a usual bench.
 constexpr double relative_noise = 0.003;
 
@@ -203,7 +196,14 @@ std::string figure_name(const gap::Effect& effect) {
   return name;
 }
 
+/// Coefficients that say nothing one by one.
+bool is_series(const gap::Effect& effect) {
+  constexpr std::size_t many = 8;
+  return effect.parameters.size() > many;
+}
+
 std::string size_text(const EffectSignature& s) {
+  if (is_series(*s.effect)) return "every term one sigma of its prior";
   std::vector<std::string> parts;
   for (std::size_t i = 0; i < s.alpha.size(); ++i) {
     const gap::Parameter& p = s.effect->parameters[i];
@@ -219,16 +219,26 @@ void describe(Page& page, const ScanModel& model, const gap::Refit& at,
   page.heading(full_name(effect));
   const std::string source = effect.source.empty() ? "" : fmt::format(" ({})", effect.source);
   page.paragraph(fmt::format("**{}.** {}{}", effect.stage, effect.physics, source));
-  std::vector<std::vector<std::string>> rows;
-  for (const gap::Parameter& p : effect.parameters)
-    rows.push_back({"`" + p.name + "`", p.unit, p.meaning});
-  page.table({"parameter", "unit", "meaning"}, std::move(rows));
+  if (is_series(effect)) {
+    page.paragraph(fmt::format("{} parameters, `{}` to `{}`: {}.", effect.parameters.size(),
+                               effect.parameters.front().name, effect.parameters.back().name,
+                               effect.parameters.front().meaning));
+  } else {
+    std::vector<std::vector<std::string>> rows;
+    for (const gap::Parameter& p : effect.parameters)
+      rows.push_back({"`" + p.name + "`", p.unit, p.meaning});
+    page.table({"parameter", "unit", "meaning"}, std::move(rows));
+  }
   if (const LookAlikes* known = look_alikes_of(effect.name)) {
     std::string text;
     if (!known->sign.empty()) text += fmt::format("Sign: {}. ", known->sign);
     text += fmt::format("In the plane of incidence it looks like {}.", known->others);
     if (!known->tells.empty()) text += fmt::format(" What separates: {}.", known->tells);
     page.paragraph(text);
+  }
+  if (s.alone.size() == 0) {
+    page.paragraph("Looked for in scans that leave the plane of incidence; this one does not.");
+    return;
   }
   const Along along = axis_of(effect);
   const Drawn drawn =

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "host/cli/study/ceilings.hpp"
 #include "host/cli/study/effects.hpp"
 #include "host/cli/study/pointing.hpp"
 #include "host/cli/study/real_data.hpp"
@@ -19,6 +20,8 @@ constexpr std::array all{
           real_data, true},
     Study{"effects", "the effects that a diagnosis knows, each with its signature (seconds)",
           effects},
+    Study{"ceilings", "how often a single effect could be named, by plan and visibility (a minute)",
+          ceilings},
     Study{"pointing", "withheld terms of a telescope's pointing, real runs (seconds; UMOV_DATA)",
           pointing},
 };

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 #include <Eigen/Cholesky>
 
+#include "host/errors/error.hpp"
 #include "host/optics/angles.hpp"
 
 namespace umov::gap::scan {
@@ -300,6 +301,15 @@ std::vector<FurtherScan> further_scans(const ScanModel& model, const Diagnosis& 
     return merit(a) > merit(b);
   });
   return found;
+}
+
+std::vector<Record> further_records(const ScanModel& model, const std::string& wanted,
+                                    const Explanation& truth) {
+  for (const MenuItem& item : menu())
+    if (item.name == wanted)
+      return taken(model, item.rows(thinned(model.records().records)), truth).records().records;
+  throw Error(fmt::format("\"{}\" is no further scan that is weighed", wanted),
+              "choose one of the menu, but white_tile");
 }
 
 std::string plan_of(const FurtherScan& scan, const ScanModel& model, const std::string& sample) {

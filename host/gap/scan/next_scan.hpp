@@ -17,6 +17,11 @@ namespace umov::gap::scan {
 /// T-criterion, with the predictive covariance of Box and Hill), in standard deviations.
 std::vector<FurtherScan> further_scans(const ScanModel& model, const Diagnosis& diagnosis);
 
+/// The records that a further scan of the menu takes behind those of `model`, in the ranges that
+/// the signal of `truth` asks for. Throws umov::Error for an identifier that is not weighed here.
+std::vector<Record> further_records(const ScanModel& model, const std::string& menu,
+                                    const Explanation& truth);
+
 /// A plan that takes this scan of the sample: text for `umov scan`.
 std::string plan_of(const FurtherScan& scan, const ScanModel& model, const std::string& sample);
 

@@ -1,0 +1,38 @@
+// What a measurement allows, whatever the method.
+#include <gtest/gtest.h>
+
+#include "host/gap/benchmark/ceiling.hpp"
+#include "tests/unit/gap/bell.hpp"
+
+namespace umov::gap {
+namespace {
+
+NamingRates rates_of(double rho, int threads = 1) {
+  const Bell model(1);
+  const Explanation at{{}, {1.0, 1.0}, {}};
+  return NamingCeiling(model, at, Whitening(model.noise(model.observations().value)))
+      .rates(rho, 200, 5, threads);
+}
+
+TEST(NamingCeiling, EffectsThatLookNothingAlikeAreNamedWherePlain) {
+  const NamingRates plain = rates_of(10);
+  EXPECT_EQ(plain.drawn, 400);
+  EXPECT_EQ(plain.named, plain.drawn);
+  EXPECT_EQ(plain.in_set, plain.drawn);
+  EXPECT_EQ(plain.set_size, plain.drawn);
+}
+
+TEST(NamingCeiling, WhatDrownsInNoiseIsAGuess) {
+  const NamingRates faint = rates_of(0.1);
+  // One of two: half, give or take five standard deviations.
+  EXPECT_NEAR(faint.named, 200, 50);
+  // Neither is six ahead.
+  EXPECT_GT(faint.set_size, 750);
+}
+
+TEST(NamingCeiling, DoesNotDependOnThreads) {
+  EXPECT_EQ(rates_of(2, 1).named, rates_of(2, 3).named);
+}
+
+}  // namespace
+}  // namespace umov::gap
