@@ -41,7 +41,7 @@ void print_diagnosis(const gap::Diagnosis& d, const gap::AnswerSource& source) {
                c.family.empty() ? c.effect : fmt::format("{} ({})", c.effect, c.family),
                c.probability, 100 * c.share);
     // The coefficients of a series say nothing to a reader; the JSON has them.
-    const bool series = c.family.starts_with("free-");
+    const bool series = gap::is_series(c.parameters.size());
     if (series) fmt::print(" a smooth series of {} terms", c.parameters.size());
     for (const gap::NamedValue& v : c.parameters)
       if (!series)

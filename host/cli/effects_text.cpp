@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/gap/answer/words.hpp"
 #include "host/gap/scan/effect_list.hpp"
 
 namespace umov::cli {
@@ -44,6 +45,11 @@ void print_effects(bool json) {
   for (const gap::Effect& e : effects) {
     fmt::print("{}{}  [{}]\n  {} ({})\n", e.name, e.family.empty() ? "" : " (" + e.family + ")",
                e.stage, e.physics, e.source);
+    if (gap::is_series(e.parameters.size())) {
+      fmt::print("    {} to {}: {}\n", e.parameters.front().name, e.parameters.back().name,
+                 e.parameters.front().meaning);
+      continue;
+    }
     for (const gap::Parameter& p : e.parameters)
       fmt::print("    {}{}: {}\n", p.name, unit_of(p), p.meaning);
   }

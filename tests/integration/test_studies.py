@@ -26,6 +26,15 @@ class Studies(UmovCase):
         self.refused("study", "reflectomter", "-o", "out", says=["reflectomter", "reflectometer"])
         self.refused("study", "reflectometer", says=["-o"])
 
+    def test_the_catalogue_page_tells_of_every_effect(self):
+        self.must("study", "effects", "-o", "page", "--quiet", timeout=300)
+        page = (self.folder / "page/effects.md").read_text()
+        listed = [line.split("  [")[0] for line in self.must("diagnose", "--effects").stdout.splitlines()
+                  if line and not line.startswith(" ")]
+        self.assertGreater(len(listed), 30)
+        for name in listed:
+            self.assertIn(f"\n## {name}\n", page)
+
     def test_a_folder_with_other_files_is_left_alone(self):
         (self.folder / "mine").mkdir()
         self.write("mine/thesis.tex", "x")

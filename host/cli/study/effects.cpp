@@ -18,6 +18,7 @@
 #include "host/cli/study/effect_signatures.hpp"
 #include "host/cli/study/embedded_plans.hpp"
 #include "host/cli/study/plots.hpp"
+#include "host/gap/answer/words.hpp"
 #include "host/optics/angles.hpp"
 
 namespace umov::study {
@@ -196,14 +197,8 @@ std::string figure_name(const gap::Effect& effect) {
   return name;
 }
 
-/// Coefficients that say nothing one by one.
-bool is_series(const gap::Effect& effect) {
-  constexpr std::size_t many = 8;
-  return effect.parameters.size() > many;
-}
-
 std::string size_text(const EffectSignature& s) {
-  if (is_series(*s.effect)) return "every term one sigma of its prior";
+  if (gap::is_series(s.effect->parameters.size())) return "every term one sigma of its prior";
   std::vector<std::string> parts;
   for (std::size_t i = 0; i < s.alpha.size(); ++i) {
     const gap::Parameter& p = s.effect->parameters[i];
@@ -219,7 +214,7 @@ void describe(Page& page, const ScanModel& model, const gap::Refit& at,
   page.heading(full_name(effect));
   const std::string source = effect.source.empty() ? "" : fmt::format(" ({})", effect.source);
   page.paragraph(fmt::format("**{}.** {}{}", effect.stage, effect.physics, source));
-  if (is_series(effect)) {
+  if (gap::is_series(effect.parameters.size())) {
     page.paragraph(fmt::format("{} parameters, `{}` to `{}`: {}.", effect.parameters.size(),
                                effect.parameters.front().name, effect.parameters.back().name,
                                effect.parameters.front().meaning));

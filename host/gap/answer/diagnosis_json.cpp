@@ -91,16 +91,16 @@ std::string diagnosis_to_json(const Diagnosis& d, const AnswerSource& source) {
     out["causes"].push_back(std::move(cause));
   }
   out["ambiguity_sets"] = d.ambiguity_sets;
-  out["unexplained"] = {{"g2", d.unexplained_g2},
-                        {"p_global", d.unexplained_p},
-                        {"where", cells(d.unexplained)}};
+  out["unexplained"] = {
+      {"g2", d.unexplained_g2}, {"p_global", d.unexplained_p}, {"where", cells(d.unexplained)}};
   if (d.verdict != Verdict::none_needed && varies(d))
-    out["unexplained"]["varies"] = {{"effect", d.variation.what},
-                                    {"with", d.variation.with},
-                                    {"kind", to_string(d.variation.kind)},
-                                    {"at", d.variation.at},
-                                    {"delta_chi2", d.variation.gain},
-                                    {"p_global", d.variation.p_global}};
+    out["unexplained"]["varies"] = {
+        {"effect", d.variation.what},
+        {"with", d.variation.with},
+        {"kind", to_string(d.variation.kind)},
+        {"at", d.variation.at_name.empty() ? Json(d.variation.at) : Json(d.variation.at_name)},
+        {"delta_chi2", d.variation.gain},
+        {"p_global", d.variation.p_global}};
   out["next_scan"] = Json::array();
   for (const FurtherScan& s : d.next_scan) {
     out["next_scan"].push_back({{"menu", s.menu},

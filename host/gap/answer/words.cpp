@@ -36,6 +36,16 @@ std::string in_percent(double fraction, bool all) {
   return fmt::format("{:.1f}", std::min(percent, 99.9));
 }
 
+constexpr std::array<std::pair<const char*, const char*>, 7> circumstance_words{{
+    {"polarizer_deg", "the polariser's setting"},
+    {"analyzer_deg", "the analyser's setting"},
+    {"gain", "the amplifier's range"},
+    {"wavelength_nm", "the wavelength"},
+    {"direction", "the direction of travel"},
+    {"theta_i_deg", "θi"},
+    {"theta_r_deg", "θr"},
+}};
+
 constexpr std::array<std::pair<const char*, const char*>, 12> menu_words{{
     {"reverse", "the same scan with the detector moving the other way"},
     {"serpentine", "the same scan with every second row in the other direction"},
@@ -56,14 +66,14 @@ std::string variation_in_words(const Diagnosis& d) {
   if (!varies(d)) return "";
   const Variation& v = d.variation;
   std::string with = v.with;
-  if (with.ends_with("_deg")) with.resize(with.size() - 4);
-  if (with.ends_with("_nm")) with.resize(with.size() - 3);
-  std::replace(with.begin(), with.end(), '_', ' ');
-  const std::string unit = v.unit == "1" ? "" : " " + v.unit;
+  for (const auto& [name, words] : circumstance_words)
+    if (with == name) with = words;
+  const std::string unit = v.unit == "1" ? "" : v.unit == "deg" ? "°" : " " + v.unit;
   std::string how;
   switch (v.kind) {
     case Variation::Kind::level:
-      how = fmt::format("is another at {} = {:.4g}{} than elsewhere", with, v.at, unit);
+      how = fmt::format("changes with {}: at {} it is another than elsewhere", with,
+                        v.at_name.empty() ? fmt::format("{:.4g}{}", v.at, unit) : v.at_name);
       break;
     case Variation::Kind::trend:
       how = fmt::format("changes steadily with {}", with);
@@ -90,6 +100,11 @@ std::string plain_name(const std::string& effect) {
   std::string name = effect;
   std::replace(name.begin(), name.end(), '_', ' ');
   return name;
+}
+
+bool is_series(std::size_t parameters) {
+  constexpr std::size_t many = 8;
+  return parameters > many;
 }
 
 std::string menu_in_words(const std::string& menu) {

@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -82,6 +83,8 @@ struct Circumstance {
   bool of_object = false;
   /// Stage whose errors may repeat many times over its range (gears, graduations); empty: none.
   std::string repeats_in = {};
+  /// Values that are names rather than numbers ("open").
+  std::vector<std::pair<double, std::string>> names = {};
 };
 
 struct Observations {

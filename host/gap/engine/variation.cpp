@@ -171,6 +171,7 @@ Variation slow_wander(const ForwardModel& model, const Refit& fit, const Whiteni
           "1",
           Variation::Kind::wander,
           learned.slow,
+          {},
           gain,
           std::min(1.0, looked_at * std::exp(-0.5 * gain)),
           {}};
@@ -270,11 +271,15 @@ Variation strongest_variation(const ForwardModel& model, const Refit& fit,
       // Far out all chances round to zero: the larger gain wins there.
       if (chance < least_p[k] || (chance == least_p[k] && gain > best[k].gain)) {
         least_p[k] = chance;
+        std::string name;
+        for (const auto& [value, said] : p->with->names)
+          if (p->kind == Variation::Kind::level && p->at == value) name = said;
         best[k] = {carrier.what,
                    p->with->axis.name,
                    p->with->axis.unit,
                    p->kind,
                    p->at,
+                   name,
                    gain,
                    1,
                    Eigen::MatrixXd::Zero(n, count)};

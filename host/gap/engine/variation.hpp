@@ -19,6 +19,7 @@ struct Variation {
   enum class Kind { level, trend, step, swing, wander } kind = Kind::level;
   /// level: its value; step: where; swing: period; trend: order; wander: relative size
   double at = 0;
+  std::string at_name;  ///< of a level that is no number
   double gain = 0;      ///< decrease of χ², all fitted parameters free to follow
   double p_global = 1;  ///< that noise alone shows as much anywhere it was looked for (Bonferroni)
   Eigen::MatrixXd signature;  ///< whitened, one or two columns; empty: nothing to look at

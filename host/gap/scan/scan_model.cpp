@@ -224,9 +224,9 @@ std::vector<Circumstance> ScanModel::circumstances() const {
       for (const std::size_t i : used_) c.axis.value.push_back(value(records_.records[i]));
     return c;
   };
-  // A free transmission axis is a setting of its own.
+  // A free way is a setting of its own.
   constexpr double open_deg = 999;
-  return {
+  std::vector<Circumstance> all{
       of("time", "1", false, [](const Record& r) { return r.time; }),
       of("direction", "1", false, [](const Record& r) { return double(r.direction); }),
       of("polarizer_deg", "deg", false,
@@ -241,6 +241,10 @@ std::vector<Circumstance> ScanModel::circumstances() const {
       of("theta_i_deg", "deg", true, [](const Record& r) { return optics::degrees(r.theta_i); }),
       of("theta_r_deg", "deg", true, [](const Record& r) { return optics::degrees(r.theta_r); }),
   };
+  for (Circumstance& c : all)
+    if (c.axis.name == "polarizer_deg" || c.axis.name == "analyzer_deg")
+      c.names = {{open_deg, "open"}};
+  return all;
 }
 
 void ScanModel::make_observations() {
