@@ -128,6 +128,120 @@ std::vector<Carrier> carriers_of(const ForwardModel& model, const Refit& fit, in
   return carriers;
 }
 
+/// Directions that a fit's parameters can follow, orthonormal, one row an observation.
+Eigen::MatrixXd followed_by(const Refit& fit) {
+  const Eigen::Index n = fit.residual.size();
+  const auto fitted = static_cast<Eigen::Index>(fit.free.size());
+  // Priors are further observations, of the parameters themselves.
+  Eigen::MatrixXd basis(n + fitted, fitted);
+  basis.topRows(n) = fit.jacobian(Eigen::all, fit.free);
+  basis.bottomRows(fitted) =
+      Eigen::MatrixXd(fit.prior_precision(fit.free).cwiseSqrt().asDiagonal());
+  for (Eigen::Index i = 0; i < fitted; ++i) {
+    const double size = basis.col(i).norm();
+    if (size > 0) basis.col(i) /= size;
+  }
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(basis);
+  return (factor.householderQ() * Eigen::MatrixXd::Identity(basis.rows(), factor.rank()))
+      .topRows(n);
+}
+
+/// Decrease of χ² by one or two columns whose Gram matrix is `gram` and that pull with `right`;
+/// negative where the fit has taken up so much of their squared length `whole` that nothing is
+/// seen.
+double gain_of(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right, double whole) {
+  constexpr double unseen = -1;
+  if (!(gram.trace() > least_survival * whole)) return unseen;
+  if (right.size() == 1) return right[0] * right[0] / gram(0, 0);
+  const double det = gram(0, 0) * gram(1, 1) - gram(0, 1) * gram(1, 0);
+  if (!(det > 1e-6 * gram.trace() * gram.trace())) return unseen;
+  return (right[0] * right[0] * gram(1, 1) - 2 * right[0] * right[1] * gram(0, 1) +
+          right[1] * right[1] * gram(0, 0)) /
+         det;
+}
+
+/// That noise alone gains as much with one or two columns.
+double chance_of(double gain, Eigen::Index columns) {
+  return columns == 1 ? std::erfc(std::sqrt(0.5 * gain)) : std::exp(-0.5 * gain);
+}
+
+/// What was seen of one carrier.
+struct Look {
+  Variation best;
+  double chance = 1;    // of the best, by itself
+  double constant = 0;  // gain of the carrier as it is everywhere
+  std::size_t tests = 0;
+
+  bool beats(const Look& other) const {
+    // Far out all chances round to zero: the larger gain wins there.
+    return chance < other.chance || (chance == other.chance && best.gain > other.best.gain);
+  }
+};
+
+Look look_at(const Carrier& carrier, bool everything, const std::vector<Pattern>& patterns,
+             const Refit& fit, const Whitening& whitening, const Eigen::MatrixXd& followed) {
+  const Eigen::Index n = fit.residual.size();
+  std::vector<const Pattern*> own;
+  Eigen::Index columns = 1;
+  for (const Pattern& p : patterns) {
+    if (carrier.of_object && p.with->of_object) continue;
+    if (p.often && !everything && carrier.stage != p.with->repeats_in) continue;
+    own.push_back(&p);
+    columns += p.factor.cols();
+  }
+  // The carrier itself, then what each pattern makes of it.
+  Eigen::MatrixXd signature(n, columns);
+  signature.col(0) = carrier.signature;
+  Eigen::Index next = 1;
+  for (const Pattern* p : own) {
+    signature.middleCols(next, p->factor.cols()) = carrier.signature.asDiagonal() * p->factor;
+    next += p->factor.cols();
+  }
+  signature = whitening.apply(signature);
+  // Most show in few observations (in phase, or at low signal): the others cost nothing.
+  std::vector<Eigen::Index> shown;
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (signature(i, 0) != 0) shown.push_back(i);
+  signature = Eigen::MatrixXd(signature(shown, Eigen::all));
+  const Eigen::MatrixXd taken =
+      Eigen::MatrixXd(followed(shown, Eigen::all)).transpose() * signature;
+  const Eigen::VectorXd right = signature.transpose() * fit.residual(shown);
+  const auto gain_at = [&](Eigen::Index first, Eigen::Index count) {
+    const auto part = signature.middleCols(first, count);
+    const auto lost = taken.middleCols(first, count);
+    const Eigen::MatrixXd gram = part.transpose() * part - lost.transpose() * lost;
+    return gain_of(gram, right.segment(first, count), part.squaredNorm());
+  };
+
+  Look look;
+  look.constant = std::max(0.0, gain_at(0, 1));
+  next = 1;
+  for (const Pattern* p : own) {
+    const Eigen::Index first = next, count = p->factor.cols();
+    next += count;
+    const auto part = signature.middleCols(first, count);
+    const double whole = part.squaredNorm();
+    // How many observations it rests on: the inverse of the sum of squared shares.
+    const double fourth = part.array().square().square().sum();
+    if (!(whole > 0) || whole * whole < fewest_carrying * fourth) continue;
+    const double gain = gain_at(first, count);
+    if (gain < 0) continue;
+    ++look.tests;
+    Look one;
+    one.chance = chance_of(gain, count);
+    one.best.gain = gain;
+    if (!one.beats(look)) continue;
+    look.chance = one.chance;
+    Variation& best = look.best;
+    best = {carrier.what, p->with->axis.name, p->with->axis.unit, p->kind, p->at, {}, gain, 1, {}};
+    for (const auto& [value, said] : p->with->names)
+      if (p->kind == Variation::Kind::level && p->at == value) best.at_name = said;
+    best.signature = Eigen::MatrixXd::Zero(n, count);
+    best.signature(shown, Eigen::all) = part;
+  }
+  return look;
+}
+
 }  // namespace
 
 const char* to_string(Variation::Kind kind) {
@@ -187,123 +301,26 @@ Variation strongest_variation(const ForwardModel& model, const Refit& fit,
   if (patterns.empty()) return {};
   const std::vector<Carrier> carriers = carriers_of(model, fit, threads);
 
-  const Eigen::Index n = fit.residual.size();
-  const auto fitted = static_cast<Eigen::Index>(fit.free.size());
-  // Priors are further observations, of the parameters themselves.
-  Eigen::MatrixXd basis(n + fitted, fitted);
-  basis.topRows(n) = fit.jacobian(Eigen::all, fit.free);
-  basis.bottomRows(fitted) =
-      Eigen::MatrixXd(fit.prior_precision(fit.free).cwiseSqrt().asDiagonal());
-  for (Eigen::Index i = 0; i < fitted; ++i) {
-    const double size = basis.col(i).norm();
-    if (size > 0) basis.col(i) /= size;
-  }
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(basis);
-  const Eigen::MatrixXd q =
-      (factor.householderQ() * Eigen::MatrixXd::Identity(basis.rows(), factor.rank())).topRows(n);
-
-  std::vector<Variation> best(carriers.size());
-  std::vector<double> least_p(carriers.size(), 1.0);
-  std::vector<std::size_t> looked(carriers.size(), 0);
-  std::vector<double> constant(carriers.size(), 0.0);
+  const Eigen::MatrixXd followed = followed_by(fit);
+  std::vector<Look> looks(carriers.size());
   for_each_index(carriers.size(), threads, [&](std::size_t k) {
-    const Carrier& carrier = carriers[k];
-    Eigen::Index columns = 0;
-    std::vector<const Pattern*> own;
-    for (const Pattern& p : patterns) {
-      if (carrier.of_object && p.with->of_object) continue;
-      const bool whole = &carrier == &carriers.back();
-      if (p.often && !whole && carrier.stage != p.with->repeats_in) continue;
-      own.push_back(&p);
-      columns += p.factor.cols();
-    }
-    Eigen::MatrixXd signature(n, columns);
-    Eigen::Index next = 0;
-    for (const Pattern* p : own) {
-      signature.middleCols(next, p->factor.cols()) = carrier.signature.asDiagonal() * p->factor;
-      next += p->factor.cols();
-    }
-    // Most show in few observations (in phase, or at low signal): the others cost nothing.
-    const Eigen::VectorXd plain = whitening.apply(carrier.signature);
-    std::vector<Eigen::Index> shown;
-    for (Eigen::Index i = 0; i < n; ++i)
-      if (plain[i] != 0) shown.push_back(i);
-    signature = Eigen::MatrixXd(whitening.apply(signature)(shown, Eigen::all));
-    const Eigen::MatrixXd basis_shown = q(shown, Eigen::all);
-    const Eigen::MatrixXd absorbed = basis_shown.transpose() * signature;
-    {
-      const Eigen::VectorXd own_signature = plain(shown);
-      const double size = own_signature.squaredNorm();
-      const double left = size - (basis_shown.transpose() * own_signature).squaredNorm();
-      const double pull = own_signature.dot(fit.residual(shown));
-      if (left > least_survival * size) constant[k] = pull * pull / left;
-    }
-    const Eigen::VectorXd right = signature.transpose() * fit.residual(shown);
-    next = 0;
-    for (const Pattern* p : own) {
-      const Eigen::Index first = next, count = p->factor.cols();
-      next += count;
-      const auto part = signature.middleCols(first, count);
-      const auto taken = absorbed.middleCols(first, count);
-      Eigen::MatrixXd gram = part.transpose() * part;
-      const double whole = gram.trace();
-      // How many observations it rests on: the inverse of the sum of squared shares.
-      const double fourth = part.array().square().square().sum();
-      if (!(whole > 0) || whole * whole < fewest_carrying * fourth) continue;
-      gram -= taken.transpose() * taken;
-      const Eigen::VectorXd r = right.segment(first, count);
-      double gain = 0;
-      bool seen = true;
-      if (count == 1) {
-        seen = gram(0, 0) > least_survival * whole;
-        if (seen) gain = r[0] * r[0] / gram(0, 0);
-      } else {
-        const double det = gram(0, 0) * gram(1, 1) - gram(0, 1) * gram(1, 0);
-        seen = gram.trace() > least_survival * whole && det > 1e-6 * gram.trace() * gram.trace();
-        if (seen)
-          gain =
-              (r[0] * r[0] * gram(1, 1) - 2 * r[0] * r[1] * gram(0, 1) + r[1] * r[1] * gram(0, 0)) /
-              det;
-      }
-      if (!seen) continue;
-      ++looked[k];
-      const double chance = count == 1 ? std::erfc(std::sqrt(0.5 * gain)) : std::exp(-0.5 * gain);
-      // Far out all chances round to zero: the larger gain wins there.
-      if (chance < least_p[k] || (chance == least_p[k] && gain > best[k].gain)) {
-        least_p[k] = chance;
-        std::string name;
-        for (const auto& [value, said] : p->with->names)
-          if (p->kind == Variation::Kind::level && p->at == value) name = said;
-        best[k] = {carrier.what,
-                   p->with->axis.name,
-                   p->with->axis.unit,
-                   p->kind,
-                   p->at,
-                   name,
-                   gain,
-                   1,
-                   Eigen::MatrixXd::Zero(n, count)};
-        best[k].signature(shown, Eigen::all) = part;
-      }
-    }
+    const bool everything = k + 1 == carriers.size();
+    looks[k] = look_at(carriers[k], everything, patterns, fit, whitening, followed);
   });
-  std::size_t strongest = 0, tests = 0;
-  for (std::size_t k = 0; k < carriers.size(); ++k) {
-    tests += looked[k];
-    if (least_p[k] < least_p[strongest] ||
-        (least_p[k] == least_p[strongest] && best[k].gain > best[strongest].gain))
-      strongest = k;
+  std::size_t tests = 0;
+  double known = 0;
+  Look* strongest = &looks.front();
+  for (Look& look : looks) {
+    tests += look.tests;
+    known = std::max(known, look.constant);
+    if (look.beats(*strongest)) strongest = &look;
   }
-  Variation variation = std::move(best[strongest]);
+  Variation variation = std::move(strongest->best);
   // What a known effect that is constant does as well, though not enough to be named, is no sign of
   // one that is not.
-  const double known = *std::max_element(constant.begin(), constant.end());
-  double chance = least_p[strongest];
-  if (known > known_gain) {
-    const double beyond = std::max(0.0, variation.gain - known);
-    chance = variation.signature.cols() == 1 ? std::erfc(std::sqrt(0.5 * beyond))
-                                             : std::exp(-0.5 * beyond);
-  }
+  const double chance = known > known_gain ? chance_of(std::max(0.0, variation.gain - known),
+                                                       variation.signature.cols())
+                                           : strongest->chance;
   variation.p_global = std::min(1.0, chance * static_cast<double>(tests));
   return variation;
 }
