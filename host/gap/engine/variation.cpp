@@ -106,7 +106,10 @@ std::vector<Carrier> carriers_of(const ForwardModel& model, const Refit& fit, in
         {effect.name, effect.stage, effect.of_object,
          there ? without_effect(at, e) : with_effect(at, e, effect.probes.front().front())});
   }
-  for (std::size_t i = 0; i < model.base().size(); ++i) {
+  // A parameter that rests at a bound has not been fitted: all that it would do is still left.
+  for (const Eigen::Index free : fit.free) {
+    const auto i = static_cast<std::size_t>(free);
+    if (i >= model.base().size()) continue;
     const Parameter& p = model.base()[i];
     const double error = errors[static_cast<Eigen::Index>(i)];
     if (!(p.lo < p.hi) || !(error > 0) || !std::isfinite(error)) continue;
