@@ -106,10 +106,7 @@ std::vector<Carrier> carriers_of(const ForwardModel& model, const Refit& fit, in
         {effect.name, effect.stage, effect.of_object,
          there ? without_effect(at, e) : with_effect(at, e, effect.probes.front().front())});
   }
-  // A parameter that rests at a bound has not been fitted: all that it would do is still left.
-  for (const Eigen::Index free : fit.free) {
-    const auto i = static_cast<std::size_t>(free);
-    if (i >= model.base().size()) continue;
+  for (std::size_t i = 0; i < model.base().size(); ++i) {
     const Parameter& p = model.base()[i];
     const double error = errors[static_cast<Eigen::Index>(i)];
     if (!(p.lo < p.hi) || !(error > 0) || !std::isfinite(error)) continue;
@@ -182,8 +179,9 @@ struct Look {
 };
 
 Look look_at(const Carrier& carrier, bool everything, const std::vector<Pattern>& patterns,
-             const Refit& fit, const Whitening& whitening, const Eigen::MatrixXd& followed) {
-  const Eigen::Index n = fit.residual.size();
+             const Eigen::VectorXd& left, const Whitening& whitening,
+             const Eigen::MatrixXd& followed) {
+  const Eigen::Index n = left.size();
   std::vector<const Pattern*> own;
   Eigen::Index columns = 1;
   for (const Pattern& p : patterns) {
@@ -208,7 +206,7 @@ Look look_at(const Carrier& carrier, bool everything, const std::vector<Pattern>
   signature = Eigen::MatrixXd(signature(shown, Eigen::all));
   const Eigen::MatrixXd taken =
       Eigen::MatrixXd(followed(shown, Eigen::all)).transpose() * signature;
-  const Eigen::VectorXd right = signature.transpose() * fit.residual(shown);
+  const Eigen::VectorXd right = signature.transpose() * left(shown);
   const auto gain_at = [&](Eigen::Index first, Eigen::Index count) {
     const auto part = signature.middleCols(first, count);
     const auto lost = taken.middleCols(first, count);
@@ -305,10 +303,12 @@ Variation strongest_variation(const ForwardModel& model, const Refit& fit,
   const std::vector<Carrier> carriers = carriers_of(model, fit, threads);
 
   const Eigen::MatrixXd followed = followed_by(fit);
+  // Where a bound holds a parameter, it still pulls: that is no sign of anything else.
+  const Eigen::VectorXd left = fit.residual - followed * (followed.transpose() * fit.residual);
   std::vector<Look> looks(carriers.size());
   for_each_index(carriers.size(), threads, [&](std::size_t k) {
     const bool everything = k + 1 == carriers.size();
-    looks[k] = look_at(carriers[k], everything, patterns, fit, whitening, followed);
+    looks[k] = look_at(carriers[k], everything, patterns, left, whitening, followed);
   });
   std::size_t tests = 0;
   double known = 0;
