@@ -44,7 +44,8 @@ const std::map<std::string, std::set<std::string>> allowed = {
       "host/calibrate", "host/invert", "host/gap/engine"}},
     // Diagnoses cases and scores answers; how cases are made it cannot know.
     {"host/gap/benchmark",
-     {"host/errors", "host/formats", "host/gap/engine", "host/gap/scan", "host/gap/answer"}},
+     {"host/parallel", "host/errors", "host/formats", "host/gap/engine", "host/gap/scan",
+      "host/gap/answer"}},
     // A page shows what files say and what a diagnosis found; it diagnoses nothing itself.
     {"host/report",
      {"host/errors", "host/optics", "host/brdf", "host/formats", "host/calibrate", "host/invert",
@@ -59,9 +60,10 @@ const std::map<std::string, std::set<std::string>> allowed = {
      {"host/errors", "host/optics", "host/instrument", "boards/native", "firmware", "hil/plant",
       "protocol"}},
     {"host/cli/study",
-     {"host/errors", "host/parallel", "host/optics", "host/brdf", "host/formats", "host/instrument",
-      "host/scan", "host/calibrate", "host/invert", "host/gap/engine", "host/gap/scan",
-      "host/gap/pointing", "host/report", "host/cli/emulator", "protocol"}},
+     {"host/gap/answer", "host/gap/benchmark", "host/errors", "host/parallel", "host/optics",
+      "host/brdf", "host/formats", "host/instrument", "host/scan", "host/calibrate", "host/invert",
+      "host/gap/engine", "host/gap/scan", "host/gap/pointing", "host/report", "host/cli/emulator",
+      "protocol"}},
     {"host/cli",
      {"host/errors", "host/optics", "host/brdf", "host/formats", "host/instrument", "host/scan",
       "hil/plant", "hil/blind", "host/calibrate", "host/invert", "host/gap/engine", "host/gap/scan",
