@@ -50,6 +50,18 @@ ScanModel planned(const ScanModel& model, const Plan& plan, const gap::Explanati
     const std::vector<Record> further = gap::scan::further_records(first, menu, truth);
     records.insert(records.end(), further.begin(), further.end());
   }
+  // They read what the fit foretells: nothing pulls at its parameters.
+  const ScanModel taken = model.with_records(records);
+  Eigen::VectorXd mean;
+  taken.predict(truth, mean, nullptr);
+  const auto used = static_cast<Eigen::Index>(taken.used());
+  Eigen::Index next = 0;
+  for (Record& r : records) {
+    if (r.saturated) continue;
+    r.x_v = mean[next];
+    r.y_v = mean[used + next];
+    ++next;
+  }
   return model.with_records(records);
 }
 
@@ -82,8 +94,9 @@ Page ceilings(const Options& options) {
       records[p] = whole.used();
       Eigen::VectorXd mean;
       whole.predict(start.explanation, mean, nullptr);
-      const gap::NamingCeiling ceiling(whole, start.explanation,
-                                       gap::Whitening(whole.noise(mean), {relative_noise, 0, 0}));
+      const gap::Whitening whitening(whole.noise(mean), {relative_noise, 0, 0});
+      const gap::Refit at = gap::refit(whole, start.explanation, whitening, 0);
+      const gap::NamingCeiling ceiling(whole, at, whitening, options.threads);
       for (const double rho : visibilities)
         rates[{p, rho}] += ceiling.rates(rho, trials, options.seed + 10 * m + p, options.threads);
     }
@@ -93,7 +106,8 @@ Page ceilings(const Options& options) {
   page.paragraph(
       fmt::format("What a plan allows, whatever the method: effects of the catalogue at a known "
                   "visibility ρ (length in "
-                  "standard deviations of what a refit of the base leaves of them), every one {} "
+                  "standard deviations of what a refit of the base leaves of them, at whatever "
+                  "size that takes), every one {} "
                   "times on each of {} samples of "
                   "the emulated instrument, in noise of {} % of the signal beside the records' "
                   "own. They are named by evidence "

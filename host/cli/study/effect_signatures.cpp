@@ -5,8 +5,6 @@
 #include <random>
 #include <utility>
 
-#include <Eigen/QR>
-
 #include "host/parallel/for_each_index.hpp"
 
 namespace umov::study {
@@ -37,14 +35,8 @@ std::string full_name(const gap::Effect& effect) {
 std::vector<EffectSignature> effect_signatures(const gap::scan::ScanModel& model,
                                                const gap::Refit& at,
                                                const gap::Whitening& whitening, int threads) {
-  // Priors of the base are further observations, of the parameters themselves.
-  const auto fitted = static_cast<Eigen::Index>(at.free.size());
   const Eigen::Index observations = at.residual.size();
-  Eigen::MatrixXd basis(observations + fitted, fitted);
-  basis.topRows(observations) = at.jacobian(Eigen::all, at.free);
-  basis.bottomRows(fitted) = Eigen::MatrixXd(at.prior_precision(at.free).cwiseSqrt().asDiagonal());
-  for (Eigen::Index i = 0; i < fitted; ++i) basis.col(i).normalize();
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(basis);
+  const Eigen::MatrixXd followed = gap::followed_directions(at);
 
   const auto& effects = model.effects();
   std::vector<EffectSignature> all(effects.size());
@@ -71,9 +63,9 @@ std::vector<EffectSignature> effect_signatures(const gap::scan::ScanModel& model
         change = shifted - at.mean;
       }
       s.alone = whitening.apply(change);
-      Eigen::VectorXd padded = Eigen::VectorXd::Zero(basis.rows());
+      Eigen::VectorXd padded = Eigen::VectorXd::Zero(followed.rows());
       padded.head(observations) = s.alone;
-      s.left = (padded - basis * factor.solve(padded)).head(observations);
+      s.left = (padded - followed * (followed.transpose() * padded)).head(observations);
       s.size = s.left.norm();
       if (s.size < rounding * s.alone.norm()) {
         s.left.setZero();

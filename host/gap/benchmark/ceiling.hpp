@@ -9,14 +9,14 @@
 
 #include <Eigen/Core>
 
-#include "host/gap/engine/forward_model.hpp"
+#include "host/gap/engine/linear_view.hpp"
 
 namespace umov::gap {
 
 struct NamingRates {
   int drawn = 0, named = 0, in_set = 0;
   long set_size = 0;  ///< summed
-  /// How often the first was named instead of it.
+  /// How often the second was named instead of the first.
   std::map<std::pair<std::string, std::string>, int> taken_for;
 
   NamingRates& operator+=(const NamingRates& other);
@@ -30,27 +30,21 @@ class NamingCeiling {
   /// Effects within this of the best, in twice the logarithm of the evidence, are its set.
   static constexpr double ambiguous = 6;
 
-  NamingCeiling(const ForwardModel& model, const Explanation& at, const Whitening& whitening);
+  /// `at`: a fit of the base alone.
+  NamingCeiling(const ForwardModel& model, const Refit& at, const Whitening& whitening,
+                int threads = 1);
 
   /// Every effect that shows (structure and scatter apart) `trials` times with a signature of
   /// length `rho`, standard deviations, after the base was fitted. Does not depend on `threads`.
   NamingRates rates(double rho, int trials, std::uint64_t seed, int threads = 1) const;
 
  private:
-  /// One way an effect can show in the space of all signatures.
-  struct Shape {
-    std::size_t effect;
-    std::vector<Eigen::Index> columns;
-    bool one_sided;
-  };
-
-  double log_evidence(const Shape& shape, const Eigen::VectorXd& right) const;
   NamingRates trial(std::size_t effect, double rho, int trials, std::uint64_t seed) const;
 
   const ForwardModel& model_;
-  std::vector<Shape> shapes_;
-  Eigen::MatrixXd gram_, root_;  // root·rootᵀ = gram
-  Eigen::VectorXd prior_precision_;
+  LinearView view_;
+  std::vector<std::size_t> shown_;  ///< candidates that can be seen
+  Eigen::MatrixXd root_;
 };
 
 }  // namespace umov::gap

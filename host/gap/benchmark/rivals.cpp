@@ -10,6 +10,7 @@
 #include "host/errors/error.hpp"
 #include "host/gap/answer/diagnosis_json.hpp"
 #include "host/gap/benchmark/claims.hpp"
+#include "host/gap/engine/beam.hpp"
 #include "host/gap/engine/linear_view.hpp"
 #include "host/gap/scan/scan_model.hpp"
 
@@ -159,17 +160,8 @@ class Rivals {
   Refit fitted(const LinearView& view, const Refit& from,
                const std::vector<std::size_t>& set) const {
     if (set.empty()) return from;
-    Explanation start = from.explanation;
-    const LinearFit linear = view.fit(set);
-    Eigen::Index first = 0;
-    for (const std::size_t c : set) {
-      const auto n = static_cast<Eigen::Index>(view.candidates()[c].columns.size());
-      start = with_effect(start, view.candidates()[c].effect,
-                          view.alpha(c, linear.coefficient.segment(first, n)));
-      first += n;
-    }
     try {
-      return refit(model_, start, whitening_,
+      return refit(model_, with_candidates(from.explanation, view, set), whitening_,
                    set.size() > a_crowd ? crowd_iterations : most_iterations);
     } catch (const Error&) {
       return from;

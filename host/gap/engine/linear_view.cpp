@@ -35,7 +35,7 @@ double prior_units(const Effect& effect, const Probe& probe) {
 }
 
 /// True where the effect exists on one side of `absent` only, and the probe is one of its kind.
-bool one_sided(const Effect& effect, const std::vector<Probe>& group) {
+bool exists_one_way(const Effect& effect, const std::vector<Probe>& group) {
   if (group.size() != 1) return false;
   for (std::size_t i = 0; i < group[0].size(); ++i) {
     const Parameter& p = effect.parameters[i];
@@ -85,7 +85,7 @@ LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whiteni
       Candidate candidate{e, {}};
       for (const Probe& probe : effect.probes[g]) {
         const double units = prior_units(effect, probe);
-        members_.push_back({e, probe, one_sided(effect, effect.probes[g]), units * units});
+        members_.push_back({e, probe, exists_one_way(effect, effect.probes[g]), units * units});
         candidate.columns.push_back(static_cast<Eigen::Index>(members_.size()) - 1);
       }
       candidates_.push_back(std::move(candidate));
@@ -161,14 +161,8 @@ LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whiteni
 
   // What the fitted parameters leave of the signatures, by orthogonal projection (normal equations
   // would lose half of the digits). Priors are further observations, of the parameters themselves.
-  Eigen::MatrixXd basis(observations + fitted_, fitted_);
-  basis.topRows(observations) = columns.leftCols(fitted_);
-  basis.bottomRows(fitted_) = Eigen::MatrixXd(base_prior_.cwiseSqrt().asDiagonal());
-  for (Eigen::Index i = 0; i < fitted_; ++i) basis.col(i).normalize();
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(basis);
-  const Eigen::MatrixXd q =
-      factor.householderQ() * Eigen::MatrixXd::Identity(basis.rows(), factor.rank());
-  Eigen::MatrixXd left = Eigen::MatrixXd::Zero(basis.rows(), probes);
+  const Eigen::MatrixXd q = followed_directions(at);
+  Eigen::MatrixXd left = Eigen::MatrixXd::Zero(q.rows(), probes);
   left.topRows(observations) = columns.rightCols(probes);
   left -= q * (q.transpose() * left);
   left -= q * (q.transpose() * left);
@@ -188,7 +182,7 @@ LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whiteni
   residual_ = residual;
   kept_by_fit_ = Eigen::VectorXd::Ones(observations);
   kept_by_fit_ -= q.topRows(observations).rowwise().squaredNorm();
-  fitted_rank_ = static_cast<double>(factor.rank());
+  fitted_rank_ = static_cast<double>(q.cols());
   for (Eigen::Index i = 0; i < probes; ++i) {
     const double size = left.col(i).norm();
     if (reduced_(i, i) > 0) {
@@ -243,7 +237,7 @@ std::vector<Eigen::Index> LinearView::columns_of(std::span<const std::size_t> se
   return columns;
 }
 
-LinearFit LinearView::fit(std::span<const std::size_t> set) const {
+LinearFit LinearView::fit(std::span<const std::size_t> set, const Eigen::VectorXd& pull) const {
   const std::vector<Eigen::Index> columns = columns_of(set);
   const auto n = static_cast<Eigen::Index>(columns.size());
   LinearFit result;
@@ -269,7 +263,7 @@ LinearFit LinearView::fit(std::span<const std::size_t> set) const {
     for (const Eigen::Index a : active) chosen.push_back(columns[static_cast<std::size_t>(a)]);
     const Eigen::VectorXd u = unit(active);
     Eigen::MatrixXd matrix = u.asDiagonal() * reduced_(chosen, chosen) * u.asDiagonal();
-    const Eigen::VectorXd right = u.cwiseProduct(reduced_right_(chosen));
+    const Eigen::VectorXd right = u.cwiseProduct(pull(chosen));
     Eigen::MatrixXd with_prior = matrix;
     with_prior.diagonal().array() += 1.0;
     const Eigen::LDLT<Eigen::MatrixXd> factor(with_prior);
@@ -401,15 +395,23 @@ double LinearView::held_out_floor(int draws, std::uint64_t seed) const {
   return sums[sums.size() / 2];
 }
 
-std::vector<double> LinearView::null_maxima(int draws, std::uint64_t seed) const {
+Eigen::MatrixXd LinearView::root_of_pulls() const {
   // Signatures of unit length: their sizes differ by more than rounding would bear.
+  const Eigen::VectorXd length = reduced_.diagonal().cwiseMax(0.0).cwiseSqrt();
+  Eigen::VectorXd unit = length;
+  for (double& x : unit) x = x > 0 ? 1.0 / x : 0.0;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
+      Eigen::MatrixXd(unit.asDiagonal() * reduced_ * unit.asDiagonal()));
+  return length.asDiagonal() * eigen.eigenvectors() *
+         eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+}
+
+std::vector<double> LinearView::null_maxima(int draws, std::uint64_t seed) const {
   Eigen::VectorXd unit(reduced_.rows());
   for (Eigen::Index i = 0; i < unit.size(); ++i)
     unit[i] = reduced_(i, i) > 0 ? 1.0 / std::sqrt(reduced_(i, i)) : 0.0;
   const Eigen::MatrixXd overlap = unit.asDiagonal() * reduced_ * unit.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(overlap);
-  const Eigen::MatrixXd root =
-      eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const Eigen::MatrixXd root = unit.asDiagonal() * root_of_pulls();
   // Structure is judged by its evidence: its many terms together would gain much by chance.
   std::vector<std::size_t> small;
   std::vector<Eigen::MatrixXd> inverse;
@@ -437,7 +439,7 @@ std::vector<double> LinearView::null_maxima(int draws, std::uint64_t seed) const
     for (std::size_t k = 0; k < small.size(); ++k) {
       const Candidate& c = candidates_[small[k]];
       const Eigen::VectorXd part = right(c.columns);
-      if (members_[static_cast<std::size_t>(c.columns[0])].one_sided && part[0] < 0) continue;
+      if (one_sided(small[k]) && part[0] < 0) continue;
       most = std::max(most, part.dot(inverse[k] * part));
     }
     maxima.push_back(most);

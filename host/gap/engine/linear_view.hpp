@@ -40,7 +40,18 @@ class LinearView {
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
   /// Best coefficients within the signs that are physical.
-  LinearFit fit(std::span<const std::size_t> set) const;
+  LinearFit fit(std::span<const std::size_t> set) const { return fit(set, reduced_right_); }
+  /// The same for another residual, of which `pull` holds the products with all signatures.
+  LinearFit fit(std::span<const std::size_t> set, const Eigen::VectorXd& pull) const;
+  /// Products of the signatures with each other, what is fitted taken out; zero where that has
+  /// absorbed one.
+  const Eigen::MatrixXd& gram() const { return reduced_; }
+  /// R with R·Rᵀ = gram(): R times independent normal numbers are the pulls of noise alone.
+  Eigen::MatrixXd root_of_pulls() const;
+  /// Does the candidate exist with one sign only?
+  bool one_sided(std::size_t candidate) const {
+    return members_[static_cast<std::size_t>(candidates_[candidate].columns.front())].one_sided;
+  }
   /// Parameter values of a candidate with these coefficients: where a full refit starts.
   std::vector<double> alpha(std::size_t candidate, const Eigen::VectorXd& coefficient) const;
   /// χ² of the withheld rows, fold by fold, when what is fitted is fitted to the others.

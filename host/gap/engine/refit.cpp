@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
+#include <Eigen/QR>
 
 #include "host/errors/error.hpp"
 
@@ -293,6 +294,18 @@ Refit refit(const ForwardModel& model, const Explanation& start, const Whitening
   best.chi2 = now.chi2;
   best.penalty = now.penalty;
   return best;
+}
+
+Eigen::MatrixXd followed_directions(const Refit& fit) {
+  const Eigen::Index n = fit.residual.size();
+  const auto fitted = static_cast<Eigen::Index>(fit.free.size());
+  Eigen::MatrixXd basis(n + fitted, fitted);
+  basis.topRows(n) = fit.jacobian(Eigen::all, fit.free);
+  basis.bottomRows(fitted) =
+      Eigen::MatrixXd(fit.prior_precision(fit.free).cwiseSqrt().asDiagonal());
+  for (Eigen::Index i = 0; i < fitted; ++i) basis.col(i).normalize();
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(basis);
+  return factor.householderQ() * Eigen::MatrixXd::Identity(basis.rows(), factor.rank());
 }
 
 Eigen::VectorXd standard_errors(const Eigen::MatrixXd& precision) {

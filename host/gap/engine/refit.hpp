@@ -46,6 +46,10 @@ Explanation with_effect(const Explanation& explanation, std::size_t effect,
 /// The same explanation with one effect less.
 Explanation without_effect(const Explanation& explanation, std::size_t effect);
 
+/// Orthonormal directions, as columns, that a fit's free parameters can follow. Rows: the
+/// observations, then the free parameters themselves, of which priors are further observations.
+Eigen::MatrixXd followed_directions(const Refit& fit);
+
 /// One standard error of each parameter from a fit's precision, the others free; 0 where the data
 /// and priors say nothing (a choice).
 Eigen::VectorXd standard_errors(const Eigen::MatrixXd& precision);

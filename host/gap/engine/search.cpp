@@ -168,7 +168,7 @@ SearchResult search(const ForwardModel& model, const SearchOptions& options) {
         if (t.effects == effects) return;
       tasks.push_back({effects, std::move(explanation)});
     };
-    for (const Scored& scored : beam.run()) {
+    for (const ScoredSet& scored : beam.run()) {
       if (tasks.size() >= options.refits) break;
       add_task(with_candidates(at.refit.explanation, view, scored.set));
     }

@@ -50,7 +50,7 @@ Refit with_structure(const ForwardModel& whole, Refit centre, const SearchOption
     {
       const LinearView view(model, centre, whitening, {}, true, options.threads);
       Beam beam(view, small_only, ln_odds, 0);
-      for (const Scored& scored : beam.run()) {
+      for (const ScoredSet& scored : beam.run()) {
         if (starts.size() >= structural + most_sets) break;
         if (scored.set.empty()) continue;
         starts.push_back(with_candidates(centre.explanation, view, scored.set));

@@ -6,8 +6,6 @@
 #include <numbers>
 #include <vector>
 
-#include <Eigen/QR>
-
 #include "host/parallel/for_each_index.hpp"
 
 namespace umov::gap {
@@ -126,24 +124,6 @@ std::vector<Carrier> carriers_of(const ForwardModel& model, const Refit& fit, in
   });
   carriers.push_back({"signal", "", false, fit.mean});
   return carriers;
-}
-
-/// Directions that a fit's parameters can follow, orthonormal, one row an observation.
-Eigen::MatrixXd followed_by(const Refit& fit) {
-  const Eigen::Index n = fit.residual.size();
-  const auto fitted = static_cast<Eigen::Index>(fit.free.size());
-  // Priors are further observations, of the parameters themselves.
-  Eigen::MatrixXd basis(n + fitted, fitted);
-  basis.topRows(n) = fit.jacobian(Eigen::all, fit.free);
-  basis.bottomRows(fitted) =
-      Eigen::MatrixXd(fit.prior_precision(fit.free).cwiseSqrt().asDiagonal());
-  for (Eigen::Index i = 0; i < fitted; ++i) {
-    const double size = basis.col(i).norm();
-    if (size > 0) basis.col(i) /= size;
-  }
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(basis);
-  return (factor.householderQ() * Eigen::MatrixXd::Identity(basis.rows(), factor.rank()))
-      .topRows(n);
 }
 
 /// Decrease of χ² by one or two columns whose Gram matrix is `gram` and that pull with `right`;
@@ -302,7 +282,7 @@ Variation strongest_variation(const ForwardModel& model, const Refit& fit,
   if (patterns.empty()) return {};
   const std::vector<Carrier> carriers = carriers_of(model, fit, threads);
 
-  const Eigen::MatrixXd followed = followed_by(fit);
+  const Eigen::MatrixXd followed = followed_directions(fit).topRows(fit.residual.size());
   // Where a bound holds a parameter, it still pulls: that is no sign of anything else.
   const Eigen::VectorXd left = fit.residual - followed * (followed.transpose() * fit.residual);
   std::vector<Look> looks(carriers.size());

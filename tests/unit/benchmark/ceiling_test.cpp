@@ -9,9 +9,9 @@ namespace {
 
 NamingRates rates_of(double rho, int threads = 1) {
   const Bell model(1);
-  const Explanation at{{}, {1.0, 1.0}, {}};
-  return NamingCeiling(model, at, Whitening(model.noise(model.observations().value)))
-      .rates(rho, 200, 5, threads);
+  const Whitening whitening(model.noise(model.observations().value));
+  const Refit base = refit(model, base_explanation(model), whitening);
+  return NamingCeiling(model, base, whitening).rates(rho, 200, 5, threads);
 }
 
 TEST(NamingCeiling, EffectsThatLookNothingAlikeAreNamedWherePlain) {
