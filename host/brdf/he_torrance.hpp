@@ -59,11 +59,10 @@ HeightStatistics<T> height_statistics(const T& sigma0, const T& tau, double wave
   return {smith_factor(x_i) * smith_factor(x_r), phase * phase / (1.0 + y * y)};
 }
 
-/// f_dd = |F|² G S D/(π cos θi cos θr).
+/// G S D/(π cos θi cos θr): the lobe without the Fresnel factors of its facets, 1/sr.
 template <class T, class A>
-FacetMatrix<T> he_torrance(std::span<const T> p, double wavelength_um, const FacetFrame<A>& f) {
-  const T& tau = p[3];
-  const HeightStatistics<T> heights = height_statistics(p[2], tau, wavelength_um, f);
+T height_lobe(const T& sigma0, const T& tau, double wavelength_um, const FacetFrame<A>& f) {
+  const HeightStatistics<T> heights = height_statistics(sigma0, tau, wavelength_um, f);
   const double wave_number = 2.0 * optics::pi / wavelength_um;
   // v_xy² τ²/4, the argument that decays with distance from the mirror direction.
   const T u = tau * tau * (0.25 * wave_number * wave_number * f.v_z * f.v_z * f.tan2_h);
@@ -72,9 +71,15 @@ FacetMatrix<T> he_torrance(std::span<const T> p, double wavelength_um, const Fac
   // G = (v·v/v_z)² and D's π²τ²/4λ² = (k τ)²/16.
   const A v2 = 4.0 * f.cos_d * f.cos_d;
   const A g = (v2 / f.v_z) * (v2 / f.v_z);
-  const T scale = tau * tau * heights.shadowing * h *
-                  (wave_number * wave_number / 16.0 * g / (optics::pi * f.cos_i * f.cos_r));
-  return scaled_reflection(facet_reflection(p[0], p[1], f.cos_d), scale);
+  return tau * tau * heights.shadowing * h *
+         (wave_number * wave_number / 16.0 * g / (optics::pi * f.cos_i * f.cos_r));
+}
+
+/// f_dd = |F|² G S D/(π cos θi cos θr).
+template <class T, class A>
+FacetMatrix<T> he_torrance(std::span<const T> p, double wavelength_um, const FacetFrame<A>& f) {
+  return scaled_reflection(facet_reflection(p[0], p[1], f.cos_d),
+                           height_lobe(p[2], p[3], wavelength_um, f));
 }
 
 /// e^(-g) |F|² S, dimensionless; `f` must be the mirror geometry.

@@ -26,7 +26,10 @@ Beam::Beam(const LinearView& view, const SearchOptions& options, double ln_odds,
 
 std::vector<ScoredSet> Beam::run() {
   std::vector<ScoredSet> front{{CandidateSet{}, score(CandidateSet{})}};
-  for (std::size_t size = 1; size <= largest_; ++size) {
+  double best = front.front().score;
+  std::size_t best_size = 0;
+  // Two more than the best has may still be worth it together, as one alone is not.
+  for (std::size_t size = 1; size <= std::min(largest_, best_size + 2); ++size) {
     std::set<CandidateSet> next;
     for (const ScoredSet& s : front) grow(s.set, next);
     front = best_of(next);
@@ -44,6 +47,10 @@ std::vector<ScoredSet> Beam::run() {
       }
       for (const ScoredSet& s : front) exchanged.insert(s.set);
       front = best_of(exchanged);
+    }
+    if (!front.empty() && front.front().score > best) {
+      best = front.front().score;
+      best_size = size;
     }
   }
   std::vector<ScoredSet> all;
@@ -81,7 +88,27 @@ std::vector<ScoredSet> Beam::best_of(const std::set<CandidateSet>& sets) {
   return scored;
 }
 
-/// The explanation with a set of a view's candidates at their best coefficients.
+std::vector<Proposal> proposals(const LinearView& view, const std::vector<ScoredSet>& scored,
+                                std::size_t most, std::size_t starts) {
+  std::vector<Proposal> found;
+  std::map<std::vector<std::size_t>, std::size_t> place;
+  for (const ScoredSet& s : scored) {
+    if (s.set.empty()) continue;
+    std::vector<std::size_t> effects;
+    for (const std::size_t c : s.set) effects.push_back(view.candidates()[c].effect);
+    std::sort(effects.begin(), effects.end());
+    const auto there = place.find(effects);
+    if (there != place.end()) {
+      std::vector<ScoredSet>& own = found[there->second].starts;
+      if (own.size() < starts) own.push_back(s);
+    } else if (found.size() < most) {
+      place.emplace(effects, found.size());
+      found.push_back({std::move(effects), {s}});
+    }
+  }
+  return found;
+}
+
 Explanation with_candidates(Explanation explanation, const LinearView& view,
                             const CandidateSet& set) {
   const LinearFit fit = view.fit(set);

@@ -42,6 +42,17 @@ class Beam {
   std::map<CandidateSet, double> known_;
 };
 
+/// A set of effects and the ways it was looked at: the same effects from other probes.
+struct Proposal {
+  std::vector<std::size_t> effects;  ///< ascending
+  std::vector<ScoredSet> starts;     ///< the best first
+};
+
+/// The `most` best sets of effects with up to `starts` starts each, from a beam's sets. The empty
+/// set is none.
+std::vector<Proposal> proposals(const LinearView& view, const std::vector<ScoredSet>& scored,
+                                std::size_t most, std::size_t starts);
+
 /// The explanation with a set of a view's candidates at their best coefficients.
 Explanation with_candidates(Explanation explanation, const LinearView& view,
                             const CandidateSet& set);

@@ -10,6 +10,7 @@
 #include <Eigen/Cholesky>
 
 #include "host/gap/engine/folds.hpp"
+#include "host/gap/engine/shares.hpp"
 #include "host/parallel/for_each_index.hpp"
 
 namespace umov::gap {
@@ -27,24 +28,6 @@ double sum(const std::vector<double>& values) {
   double total = 0;
   for (const double v : values) total += v;
   return total;
-}
-
-/// Shares of the accepted effects in what they close together (Shapley: the mean over all orders of
-/// taking them in).
-std::vector<double> shapley(const std::vector<double>& value_of_subset, std::size_t n) {
-  std::vector<double> share(n, 0.0);
-  std::vector<double> factorial(n + 1, 1.0);
-  for (std::size_t i = 1; i <= n; ++i) factorial[i] = factorial[i - 1] * static_cast<double>(i);
-  for (std::size_t subset = 0; subset < value_of_subset.size(); ++subset) {
-    const auto size = static_cast<std::size_t>(__builtin_popcountll(subset));
-    for (std::size_t i = 0; i < n; ++i) {
-      if ((subset >> i) & 1U) continue;
-      const double weight = factorial[size] * factorial[n - size - 1] / factorial[n];
-      share[i] +=
-          weight * (value_of_subset[subset | (std::size_t{1} << i)] - value_of_subset[subset]);
-    }
-  }
-  return share;
 }
 
 /// Sets that share a member become one.
@@ -298,11 +281,10 @@ class Diagnoser {
     const std::size_t n = chosen.size();
     // The effect that scatters is the last of them.
     const std::size_t parts = small.size() + (scatter_ ? 1 : 0);
-    std::vector<double> closed(std::size_t{1} << parts, 0.0);
     const double nothing = sum(held_out_by_fold(model_, base, *d_.base_whitening, d_.search.fold));
     std::optional<Refit> unscattered;
     if (scatter_) unscattered = refit(model_, after.explanation, *d_.base_whitening, 15);
-    for_each_index(closed.size(), options_.search.threads, [&](std::size_t subset) {
+    const auto closed_by = [&](Subset subset) {
       Explanation part = after.explanation;
       for (std::size_t i = 0; i < small.size(); ++i)
         if (!((subset >> i) & 1U)) part = without_effect(part, small[i]);
@@ -310,31 +292,27 @@ class Diagnoser {
       const Whitening& noise = bare ? *d_.base_whitening : whitening;
       const Refit& near = bare ? *unscattered : after;
       const Refit fit = part.effects == chosen ? near : refit(model_, part, noise, 15, &near);
-      closed[subset] = nothing - sum(held_out_by_fold(model_, fit, noise, d_.search.fold));
-    });
-    const double whole = std::max(closed.back(), 1e-300);
+      return nothing - sum(held_out_by_fold(model_, fit, noise, d_.search.fold));
+    };
+    const std::vector<double> of_small = shapley_values(parts, closed_by, options_.search.threads);
+    const double by_structure = small.size() == n ? 0.0 : closed_by(0);
+    const double whole = std::max(by_structure + sum(of_small), 1e-300);
     const double rest = d_.unexplained_g2 * static_cast<double>(after.residual.size());
     std::vector<double> share(n, 0.0);
-    const std::vector<double> of_small = shapley(closed, parts);
     for (std::size_t k = 0, next_small = 0; k < n; ++k) {
       share[k] = model_.effects()[chosen[k]].structural
-                     ? closed.front() / static_cast<double>(n - small.size())
+                     ? by_structure / static_cast<double>(n - small.size())
                      : of_small[next_small++];
     }
     const std::set<std::size_t> hollow = undercut(after);
-    const Eigen::VectorXd errors = standard_errors(after.precision);
-    Eigen::Index next = static_cast<Eigen::Index>(after.explanation.base.size());
     for (std::size_t k = 0; k < n; ++k) {
       const Effect& effect = model_.effects()[chosen[k]];
-      Cause cause{effect.name, effect.family, probability_of(effect.name), share[k] / whole, {}};
-      for (std::size_t i = 0; i < effect.parameters.size(); ++i, ++next)
-        cause.parameters.push_back(
-            named_value(effect.parameters[i], after.explanation.alpha[k][i], errors[next]));
       // What stays unexplained could be taken for an effect as large: such a one is not named.
       const bool outweighed = significant_rest() && !effect.structural && share[k] < rest;
       if (joint_probability(effect.name) >= options_.named && !outweighed &&
           !hollow.contains(chosen[k]))
-        d_.causes.push_back(std::move(cause));
+        d_.causes.push_back({effect.name, effect.family, probability_of(effect.name),
+                             share[k] / whole, effect_parameters(model_, after, k, whitening)});
     }
     if (scatter_ && !significant_rest()) {
       const ExcessVariance& found = *d_.excess;
@@ -499,14 +477,6 @@ class Diagnoser {
 };
 
 }  // namespace
-
-NamedValue named_value(const Parameter& parameter, double value, double error) {
-  constexpr double two_sided_95 = 1.959964;
-  return {parameter.name,
-          parameter.unit,
-          {value, std::max(parameter.lo, value - two_sided_95 * error),
-           std::min(parameter.hi, value + two_sided_95 * error)}};
-}
 
 const char* to_string(Verdict verdict) {
   switch (verdict) {

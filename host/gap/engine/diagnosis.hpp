@@ -11,21 +11,12 @@
 
 #include "host/gap/engine/excess_variance.hpp"
 #include "host/gap/engine/forward_model.hpp"
+#include "host/gap/engine/intervals.hpp"
 #include "host/gap/engine/search.hpp"
 #include "host/gap/engine/variation.hpp"
 #include "host/gap/engine/where.hpp"
 
 namespace umov::gap {
-
-/// A value with its 95 % interval.
-struct Interval {
-  double value = 0, lo = 0, hi = 0;
-};
-
-struct NamedValue {
-  std::string name, unit;
-  Interval interval;
-};
 
 struct Cause {
   std::string effect, family;
@@ -33,9 +24,6 @@ struct Cause {
   double share = 0;  ///< of the gap closed, Shapley on withheld rows
   std::vector<NamedValue> parameters;
 };
-
-/// A value with its 95 % interval from one standard error, within the parameter's bounds.
-NamedValue named_value(const Parameter& parameter, double value, double error);
 
 struct GapSize {
   double g2 = 0;       ///< mean squared whitened residual of withheld rows, less one

@@ -15,6 +15,7 @@ namespace {
 struct Flat {
   std::vector<const Parameter*> parameter;
   Eigen::VectorXd value;
+  std::vector<bool> held;  ///< must not move
 };
 
 Flat flatten(const ForwardModel& model, const Explanation& explanation) {
@@ -33,6 +34,7 @@ Flat flatten(const ForwardModel& model, const Explanation& explanation) {
   }
   flat.value =
       Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+  flat.held.assign(values.size(), false);
   return flat;
 }
 
@@ -84,7 +86,9 @@ Eigen::VectorXd bounded_step(const Flat& flat, const Eigen::VectorXd& value,
   const Eigen::Index n = value.size();
   std::vector<Eigen::Index> free;
   for (Eigen::Index i = 0; i < n; ++i) {
-    if (!pushes_outwards(flat, value, gradient, i) && precision(i, i) > 0) free.push_back(i);
+    if (!flat.held[static_cast<std::size_t>(i)] && !pushes_outwards(flat, value, gradient, i) &&
+        precision(i, i) > 0)
+      free.push_back(i);
   }
   Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
   while (!free.empty()) {
@@ -164,10 +168,11 @@ std::vector<Eigen::Index> places_in(const Explanation& of, const Explanation& in
 }
 
 Refit refit(const ForwardModel& model, const Explanation& start, const Whitening& whitening,
-            int max_iterations, const Refit* near) {
+            int max_iterations, const Refit* near, const std::vector<Eigen::Index>& held) {
   Refit best;
   best.explanation = start;
-  const Flat flat = flatten(model, start);
+  Flat flat = flatten(model, start);
+  for (const Eigen::Index i : held) flat.held[static_cast<std::size_t>(i)] = true;
   const Eigen::VectorXd weight = prior_weight(flat);
   const Eigen::VectorXd& observed = model.observations().value;
 
@@ -285,7 +290,8 @@ Refit refit(const ForwardModel& model, const Explanation& start, const Whitening
   const Eigen::VectorXd next = bounded_step(flat, value, best.precision, gradient, 1e-9);
   for (Eigen::Index i = 0; i < value.size(); ++i) {
     const Parameter& p = *flat.parameter[static_cast<std::size_t>(i)];
-    const bool rests = next[i] == 0 && (value[i] <= p.lo || value[i] >= p.hi);
+    const bool rests = flat.held[static_cast<std::size_t>(i)] ||
+                       (next[i] == 0 && (value[i] <= p.lo || value[i] >= p.hi));
     if (best.precision(i, i) > 0 && !rests) best.free.push_back(i);
   }
   best.jacobian = std::move(jacobian);

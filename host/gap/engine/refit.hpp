@@ -37,8 +37,10 @@ Explanation base_explanation(const ForwardModel& model);
 /// With `near`, a fit under the same whitening whose parameters are not far: its derivatives serve
 /// for the parameters that both have. Ten times faster where few are new, near the minimum as far
 /// as the model is straight between the two.
+/// `held`: parameters (numbers, the base's first) that keep their values.
 Refit refit(const ForwardModel& model, const Explanation& start, const Whitening& whitening,
-            int max_iterations = 40, const Refit* near = nullptr);
+            int max_iterations = 40, const Refit* near = nullptr,
+            const std::vector<Eigen::Index>& held = {});
 
 /// The same explanation with one effect more, in its place of the order.
 Explanation with_effect(const Explanation& explanation, std::size_t effect,

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <set>
+#include <span>
 
 #include <Eigen/Cholesky>
 
@@ -17,10 +19,15 @@ namespace umov::gap {
 namespace {
 
 /// Of a refit in the search.
-constexpr int most_iterations = 8;
+constexpr int most_iterations = 8, most_far_iterations = 16;
 /// ln of the odds against the best beyond which a hypothesis need not be settled to the last digit.
 constexpr double worth_settling = 4;
 constexpr std::size_t most_settled = 6;
+/// Starts of a single effect, and how far below the linear view's ln of the evidence a refit makes
+/// the next worth trying.
+constexpr std::size_t most_starts = 4;
+constexpr double falls_short = 5;
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The base at the best of its starts.
 Refit base_fit(const ForwardModel& whole, int threads) {
@@ -59,7 +66,56 @@ Refit base_fit(const ForwardModel& whole, int threads) {
   return refit(whole, best.explanation, Whitening(whole.noise(mean)));
 }
 
+/// A set of effects to be refitted.
+struct Task {
+  std::vector<std::size_t> effects;
+  std::vector<Explanation> starts;
+  double foretold;  ///< ln of the evidence
+};
+
+/// What a view taken at a hypothesis proposes to add to it.
+std::vector<Task> tasks_from(const LinearView& view, const ForwardModel& model,
+                             const Hypothesis& at, const SearchOptions& options, double ln_odds) {
+  const auto structural = [&](std::size_t e) { return model.effects()[e].structural; };
+  const auto& there = at.refit.explanation.effects;
+  const auto small = there.size() - static_cast<std::size_t>(
+                                        std::count_if(there.begin(), there.end(), structural));
+  std::vector<Task> tasks;
+  bool more_structure = false;
+  const auto propose = [&](const SearchOptions& allowed, std::size_t most) {
+    Beam beam(view, allowed, ln_odds, small);
+    for (const Proposal& p : proposals(view, beam.run(), most, most_starts)) {
+      Task task{{}, {}, at.ln_evidence + p.starts.front().score};
+      const std::size_t used = p.effects.size() == 1 ? p.starts.size() : 1;
+      for (const ScoredSet& s : std::span(p.starts).first(used))
+        task.starts.push_back(with_candidates(at.refit.explanation, view, s.set));
+      task.effects = task.starts.front().effects;
+      more_structure =
+          more_structure || std::any_of(p.effects.begin(), p.effects.end(), structural);
+      if (std::none_of(tasks.begin(), tasks.end(),
+                       [&](const Task& t) { return t.effects == task.effects; }))
+        tasks.push_back(std::move(task));
+    }
+  };
+  propose(options, options.refits);
+  // Series promise much, an effect that is far from straight promises less than it holds, the less
+  // the more others are fitted with it.
+  if (more_structure) {
+    SearchOptions few = without_structure(model, options);
+    propose(few, options.refits / 3);
+    few.max_effects = small + 1;
+    propose(few, options.refits / 3);
+  }
+  return tasks;
+}
+
 }  // namespace
+
+SearchOptions without_structure(const ForwardModel& model, SearchOptions options) {
+  for (std::size_t e = 0; e < model.effects().size(); ++e)
+    if (model.effects()[e].structural) options.without.push_back(e);
+  return options;
+}
 
 double log_evidence(const ForwardModel& model, const Refit& fit, double inflation) {
   double value = -0.5 * (fit.chi2 + fit.penalty) / inflation;
@@ -142,54 +198,68 @@ SearchResult search(const ForwardModel& model, const SearchOptions& options) {
   if (!centre.explanation.effects.empty()) known[centre.explanation.effects] = assess(centre);
 
   // The view is good near the explanation it was taken at. Large effects move it: look again from
-  // the best one found, until that does not change.
-  std::vector<std::size_t> from = centre.explanation.effects;
-  std::set<std::vector<std::size_t>> seen;
-  for (int round = 0; round < 3 && seen.insert(from).second; ++round) {
-    tell(0.1 + 0.2 * round, "sets of effects");
+  // the best one found, until that does not change. Structure that took little away may have been
+  // bent to follow an effect: then look from the base too.
+  std::vector<std::size_t> best_effects = centre.explanation.effects;
+  std::vector<std::vector<std::size_t>> centres{best_effects};
+  {
+    Explanation bare = centre.explanation;
+    for (const std::size_t e : centre.explanation.effects)
+      if (std::find(result.structure.begin(), result.structure.end(), e) == result.structure.end())
+        bare = without_effect(bare, e);
+    if (bare.effects.size() < best_effects.size()) {
+      if (!known.contains(bare.effects))
+        known[bare.effects] = assess(refit(model, bare, whitening));
+      centres.insert(centres.begin(), bare.effects);
+    }
+  }
+  const std::size_t most_rounds = 2 + centres.size();
+  for (std::size_t round = 0; round < centres.size() && round < most_rounds; ++round) {
+    tell(0.1 + 0.2 * static_cast<double>(round), "sets of effects");
+    const std::vector<std::size_t> from = centres[round];
     const Hypothesis at = known.at(from);
     const LinearView view(model, at.refit, whitening, result.fold, true, options.threads);
-    if (round == 0) {
+    if (from == centre.explanation.effects) {
       const std::vector<double> maxima = view.null_maxima(2000, options.seed);
       result.null_99 = maxima[maxima.size() * 99 / 100];
     }
-    const auto small = std::count_if(from.begin(), from.end(),
-                                     [&](std::size_t e) { return !model.effects()[e].structural; });
-    Beam beam(view, options, ln_odds, static_cast<std::size_t>(small));
-    struct Task {
-      std::vector<std::size_t> effects;
-      Explanation start;
-    };
-    std::vector<Task> tasks;
-    const auto add_task = [&](Explanation explanation) {
-      const std::vector<std::size_t> effects = explanation.effects;
-      if (known.contains(effects)) return;
-      for (const Task& t : tasks)
-        if (t.effects == effects) return;
-      tasks.push_back({effects, std::move(explanation)});
-    };
-    for (const ScoredSet& scored : beam.run()) {
-      if (tasks.size() >= options.refits) break;
-      add_task(with_candidates(at.refit.explanation, view, scored.set));
-    }
+    std::vector<Task> tasks = tasks_from(view, model, at, options, ln_odds);
+    std::erase_if(tasks, [&](const Task& t) { return known.contains(t.effects); });
     // Backward: each effect of the centre on trial.
     for (const std::size_t e : from) {
-      add_task(without_effect(at.refit.explanation, e));
+      Explanation without = without_effect(at.refit.explanation, e);
+      if (known.contains(without.effects)) continue;
+      tasks.push_back({without.effects, {without}, -infinity});
     }
     std::vector<Hypothesis> assessed(tasks.size());
     for_each_index(tasks.size(), options.threads, [&](std::size_t i) {
-      assessed[i] = assess(refit(model, tasks[i].start, whitening, most_iterations, &at.refit));
+      // A shape far from the best one leads a refit astray: what falls short of the view's promise
+      // is tried from another.
+      for (const Explanation& start : tasks[i].starts) {
+        Hypothesis h = assess(refit(model, start, whitening, most_iterations, &at.refit));
+        if (&start == &tasks[i].starts.front() || h.ln_evidence > assessed[i].ln_evidence)
+          assessed[i] = std::move(h);
+        if (assessed[i].ln_evidence > tasks[i].foretold - falls_short) break;
+      }
+      // A single effect that the view misjudged needs derivatives of its own.
+      if (tasks[i].effects.size() == from.size() + 1 &&
+          std::abs(assessed[i].ln_evidence - tasks[i].foretold) > falls_short)
+        assessed[i] =
+            assess(refit(model, assessed[i].refit.explanation, whitening, most_far_iterations));
     });
     for (std::size_t i = 0; i < tasks.size(); ++i)
       known.emplace(tasks[i].effects, std::move(assessed[i]));
 
-    double best = -1e300;
+    double best = -infinity;
     for (const auto& [effects, h] : known) {
       if (h.ln_evidence > best) {
         best = h.ln_evidence;
-        from = effects;
+        best_effects = effects;
       }
     }
+    if (round + 1 == centres.size() &&
+        std::find(centres.begin(), centres.end(), best_effects) == centres.end())
+      centres.push_back(best_effects);
   }
 
   // What leads is settled with its own derivatives.

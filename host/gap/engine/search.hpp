@@ -15,7 +15,7 @@
 namespace umov::gap {
 
 struct SearchOptions {
-  std::size_t max_effects = 5;    ///< besides structural ones
+  std::size_t max_effects = 10;   ///< besides structural ones
   std::size_t max_structure = 6;  ///< structural ones taken in before the others
   std::size_t beam = 24;          ///< sets kept at each size
   std::size_t refits = 12;        ///< best sets that are refitted in full
@@ -53,6 +53,8 @@ struct SearchResult {
   std::size_t base = 0;  ///< place of the base model in `hypotheses`
 };
 
+/// The same options with structural effects left out.
+SearchOptions without_structure(const ForwardModel& model, SearchOptions options);
 /// ln of the odds of one effect before any data.
 double log_prior_odds(const ForwardModel& model, const SearchOptions& options);
 /// ln of the evidence of an explanation by Laplace's method, without the prior of its effects'

@@ -23,13 +23,12 @@ Refit with_structure(const ForwardModel& whole, Refit centre, const SearchOption
   constexpr double several = 3;
   constexpr int first_look = 10;  // iterations for all
   constexpr std::size_t finalists = 4;
-  constexpr std::size_t most_sets = 3;  // of effects that are not structural
+  constexpr std::size_t most_sets = 3;    // of effects that are not structural
+  constexpr std::size_t most_starts = 2;  // of each, from other probes
   const double ln_odds = log_prior_odds(model, options);
-  SearchOptions small_only = options;
+  SearchOptions small_only = without_structure(model, options);
   small_only.beam = 4;
   small_only.max_effects = std::min<std::size_t>(3, options.max_effects);
-  for (std::size_t e = 0; e < model.effects().size(); ++e)
-    if (model.effects()[e].structural) small_only.without.push_back(e);
   for (std::size_t round = 0; round < options.max_structure; ++round) {
     const Whitening whitening(model.noise(centre.mean));
     centre = refit(model, centre.explanation, whitening);
@@ -50,11 +49,9 @@ Refit with_structure(const ForwardModel& whole, Refit centre, const SearchOption
     {
       const LinearView view(model, centre, whitening, {}, true, options.threads);
       Beam beam(view, small_only, ln_odds, 0);
-      for (const ScoredSet& scored : beam.run()) {
-        if (starts.size() >= structural + most_sets) break;
-        if (scored.set.empty()) continue;
-        starts.push_back(with_candidates(centre.explanation, view, scored.set));
-      }
+      for (const Proposal& p : proposals(view, beam.run(), most_sets, most_starts))
+        for (const ScoredSet& scored : p.starts)
+          starts.push_back(with_candidates(centre.explanation, view, scored.set));
     }
     std::vector<Refit> fits(starts.size());
     const auto cost = [](const Refit& fit) { return fit.chi2 + fit.penalty; };

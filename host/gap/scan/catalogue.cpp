@@ -444,6 +444,14 @@ class Catalogue {
                "Walter et al. 2007",
                {one_sided("share", "1", "part of the lobe that has long tails", 0.5, 1)},
                sizes({0.02}));
+    add_family(EffectId::wave_lobe, "he-torrance",
+               "Waves instead of facets: where heights are not large against the wavelength the "
+               "lobe is wider at long wavelengths and towards grazing, and its shoulders are "
+               "higher than a Gaussian's (P10).",
+               "He, Torrance, Sillion and Greenberg 1991",
+               {one_sided("share", "1", "part of the lobe that follows waves", 0.5, 1),
+                shaping("inverse_height_per_um", "1/um", "1 over the rms height", 0.05, 8)},
+               alternatives(0.05, {0.2, 0.6, 1.5, 4.0}));
     add_family(EffectId::second_roughness, "microfacet+microfacet", "Two roughnesses side by side.",
                "two-population surface",
                {signed_number("weight", "1", "share of the second roughness", 0.1, 1),
@@ -463,9 +471,9 @@ class Catalogue {
     for (const EffectId id :
          {EffectId::free_slopes, EffectId::fine_slopes, EffectId::free_lobe,
           EffectId::spectral_lobe, EffectId::free_diffuse, EffectId::spectral_diffuse,
-          EffectId::anisotropic_slopes, EffectId::long_tails, EffectId::second_roughness,
-          EffectId::forward_lobe, EffectId::volume_diffuse, EffectId::interface_diffuse,
-          EffectId::polarised_diffuse})
+          EffectId::anisotropic_slopes, EffectId::long_tails, EffectId::wave_lobe,
+          EffectId::second_roughness, EffectId::forward_lobe, EffectId::volume_diffuse,
+          EffectId::interface_diffuse, EffectId::polarised_diffuse})
       effects_[number(id)].structural = true;
     for (const EffectId id :
          {EffectId::free_slopes, EffectId::fine_slopes, EffectId::free_lobe,

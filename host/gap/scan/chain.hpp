@@ -174,6 +174,10 @@ Lockin<T> record_signal(const Record& r, const ChainBase<T>& base, bool bent, co
   const optics::Stokes<T> source = source_stokes(r, pose, on);
   const optics::Stokes<T> detector = detector_stokes(r, pose, on);
 
+  const auto wavelength_nm = [&](std::size_t i) { return base.materials[i].wavelength_um * 1e3; };
+  const auto is_at = [&](std::size_t i, const T& nm) {
+    return std::abs(wavelength_nm(i) - optics::value_of(nm)) < 0.5;
+  };
   T light(0.0);  // BRDF · cos θr as polariser and analyser select it
   if (!r.sample_removed) {
     if (!r.long_pass) {
@@ -184,18 +188,12 @@ Lockin<T> record_signal(const Record& r, const ChainBase<T>& base, bool bent, co
             reflected(base.materials[other], r, pose, bent, source, detector, on, bending);
         light += fraction * (foreign - light);
       };
-      const auto wavelength_nm = [&](std::size_t i) {
-        return base.materials[i].wavelength_um * 1e3;
-      };
       if (const T* p = on[EffectId::laser_crosstalk]) {
         for (std::size_t i = 0; i < base.materials.size(); ++i)
-          if (std::abs(wavelength_nm(i) - optics::value_of(p[2])) < 0.5 &&
-              std::abs(wavelength_nm(r.wavelength) - optics::value_of(p[1])) < 0.5)
-            mix(i, p[0]);
+          if (is_at(i, p[2]) && is_at(r.wavelength, p[1])) mix(i, p[0]);
       }
       if (const T* p = on[EffectId::wavelength_error]) {
-        if (std::abs(wavelength_nm(r.wavelength) - optics::value_of(p[1])) < 0.5 &&
-            base.materials.size() > 1) {
+        if (is_at(r.wavelength, p[1]) && base.materials.size() > 1) {
           // Straight line to the neighbour: what is known of the spectrum in between.
           const std::size_t other =
               r.wavelength + 1 < base.materials.size() ? r.wavelength + 1 : r.wavelength - 1;
@@ -210,12 +208,21 @@ Lockin<T> record_signal(const Record& r, const ChainBase<T>& base, bool bent, co
         light -= light * shadow(T(std::acos(std::min(1.0, std::max(-1.0, cos_off)))), on);
       }
     }
+    if (const T* p = on[EffectId::laser_crosstalk]; p != nullptr && r.long_pass) {
+      // Light of a longer wavelength that leaks in passes the filter.
+      for (std::size_t i = r.wavelength + 1; i < base.materials.size(); ++i)
+        if (is_at(i, p[2]) && is_at(r.wavelength, p[1]))
+          light +=
+              p[0] * reflected(base.materials[i], r, pose, bent, source, detector, on, bending);
+    }
     if (const T* p = on[EffectId::fluorescence]) {
       if (r.wavelength == 0) light += p[0] * detector[0] * (std::cos(r.theta_r) / optics::pi);
     }
   }
-  if (const T* p = on[EffectId::stray_light]) light += p[0] * detector[0];
-  if (const T* p = on[EffectId::stray_forward]) {
+  // The long-pass filter stands before the detector.
+  if (const T* p = on[EffectId::stray_light]; p != nullptr && !r.long_pass)
+    light += p[0] * detector[0];
+  if (const T* p = on[EffectId::stray_forward]; p != nullptr && !r.long_pass) {
     const T width = p[1] * optics::radians(1.0);
     const double off =
         std::acos(std::min(1.0, std::max(-1.0, std::sin(r.theta_r) * std::cos(r.phi_r))));

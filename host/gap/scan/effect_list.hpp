@@ -47,6 +47,7 @@ enum class EffectId : std::size_t {
   fluorescence,
   speckle,
   long_tails,
+  wave_lobe,
   second_roughness,
   forward_lobe,
   volume_diffuse,

@@ -50,6 +50,33 @@ TEST(ScanModel, EveryEffectDoesNothingWhereItIsAbsent) {
   }
 }
 
+TEST(ScanModel, BehindALongPassOnlyLongerWavelengthsAreSeen) {
+  std::vector<Record> seen;
+  for (const Record& r : model().records().records)
+    if (r.wavelength == 0 && r.shutter_open && !r.saturated) seen.push_back(r);
+  ASSERT_FALSE(seen.empty());
+  for (Record& r : seen) r.long_pass = true;
+  const ScanModel behind = model().with_records(seen);
+  const auto& nm = behind.records().wavelengths_nm;
+  ASSERT_GE(nm.size(), 2U);
+  const Explanation base = base_explanation(behind);
+  const auto n = static_cast<Eigen::Index>(behind.used());
+  const auto signal = [&](EffectId id, std::vector<double> alpha) {
+    Eigen::VectorXd mean;
+    behind.predict(with_effect(base, number(id), alpha), mean, nullptr);
+    return Eigen::VectorXd(mean.head(n));
+  };
+  const Eigen::VectorXd leak = signal(EffectId::laser_crosstalk, {1e-3, nm[0], nm[1]});
+  EXPECT_GT(leak.minCoeff(), 0);
+  EXPECT_LT((signal(EffectId::laser_crosstalk, {2e-3, nm[0], nm[1]}) - 2 * leak).norm(),
+            1e-12 * leak.norm());
+  EXPECT_GT(signal(EffectId::fluorescence, {1e-3}).minCoeff(), 0);
+  // What is of the laser's own wavelength, or leaks into another laser, is not seen.
+  EXPECT_EQ(signal(EffectId::laser_crosstalk, {1e-3, nm[1], nm[0]}).norm(), 0);
+  EXPECT_EQ(signal(EffectId::stray_light, {1e-3}).norm(), 0);
+  EXPECT_EQ(signal(EffectId::stray_forward, {1e-3, 20.0}).norm(), 0);
+}
+
 TEST(ScanModel, DerivativesOfEveryEffectAreThoseOfThePrediction) {
   const Explanation base = base_explanation(model());
   Eigen::VectorXd mean, up, down;

@@ -203,7 +203,9 @@ void add_free_lobes(optics::Mueller<T>& m, const Material<T>& material,
     density += tailed * (series_sum(SeriesId::slopes, material, f, on) +
                          series_sum(SeriesId::fine_slopes, material, f, on));
   if (lobe != nullptr || on[EffectId::spectral_lobe] != nullptr) {
-    const T own = weight * brdf::slope_density(brdf::Slopes::gaussian, p[2], f);
+    T own = weight * brdf::slope_density(brdf::Slopes::gaussian, p[2], f);
+    if (const T* e = on[EffectId::wave_lobe])
+      own += p[3] * wave_excess(p[2], e, material.wavelength_um, f);
     // Some of the tails too: where the Gaussian has ended there would be nothing to grow.
     density += (own + 0.2 * tailed) * (series_sum(SeriesId::growth, material, f, on) +
                                        series_sum(SeriesId::spectral_lobe, material, f, on));

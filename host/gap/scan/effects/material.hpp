@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <numbers>
 #include <span>
 
 #include "host/brdf/evaluate.hpp"
+#include "host/brdf/he_torrance.hpp"
 #include "host/gap/scan/effect_list.hpp"
 
 namespace umov::gap::scan {
@@ -33,6 +35,17 @@ template <class T, class A>
 T gaussian_lobe(const T& slope_rms, const brdf::FacetFrame<A>& f) {
   return brdf::slope_density(brdf::Slopes::gaussian, slope_rms, f) *
          brdf::shadowing_factor(brdf::Shadowing::smith, slope_rms, std::span<const T>{}, f);
+}
+
+/// The same facets where heights are not large against the wavelength: e[0] of the lobe is He and
+/// Torrance's of the same slope, for rms heights of 1/e[1] µm (see wave_lobe in the catalogue).
+/// What is returned is what it is above the Gaussian lobe.
+template <class T, class A>
+T wave_excess(const T& slope_rms, const T* e, double wavelength_um, const brdf::FacetFrame<A>& f) {
+  const T height_um = 1.0 / e[1];
+  const T length_um = height_um * (std::numbers::sqrt2 / slope_rms);
+  const T lobe = brdf::height_lobe(height_um, length_um, wavelength_um, f);
+  return e[0] * (lobe * (4.0 * f.cos_i * f.cos_r) - gaussian_lobe(slope_rms, f));
 }
 
 /// Depolarised light of the base at this geometry: what its facets do not explain. Its facets

@@ -75,6 +75,8 @@ optics::Mueller<T> sample_mueller(const Material<T>& material, const brdf::Geome
           f);
       add_facets(m, p[0], p[1], T(-share * gaussian_lobe(p[2], f)), f);
     }
+    if (const T* e = on[EffectId::wave_lobe])
+      add_facets(m, p[0], p[1], T(p[3] * wave_excess(p[2], e, material.wavelength_um, f)), f);
     if (const T* e = on[EffectId::second_roughness]) {
       const T other = p[2] * e[1];
       add_facets(m, p[0], p[1], T(e[0] * p[3] * (gaussian_lobe(other, f) - gaussian_lobe(p[2], f))),
