@@ -92,6 +92,7 @@ std::vector<Proposal> proposals(const LinearView& view, const std::vector<Scored
                                 std::size_t most, std::size_t starts) {
   std::vector<Proposal> found;
   std::map<std::vector<std::size_t>, std::size_t> place;
+  std::set<std::size_t> sizes;
   for (const ScoredSet& s : scored) {
     if (s.set.empty()) continue;
     std::vector<std::size_t> effects;
@@ -101,7 +102,8 @@ std::vector<Proposal> proposals(const LinearView& view, const std::vector<Scored
     if (there != place.end()) {
       std::vector<ScoredSet>& own = found[there->second].starts;
       if (own.size() < starts) own.push_back(s);
-    } else if (found.size() < most) {
+    } else if (found.size() < most || !sizes.contains(effects.size())) {
+      sizes.insert(effects.size());
       place.emplace(effects, found.size());
       found.push_back({std::move(effects), {s}});
     }

@@ -23,8 +23,8 @@ constexpr int most_iterations = 8, most_far_iterations = 16;
 /// ln of the odds against the best beyond which a hypothesis need not be settled to the last digit.
 constexpr double worth_settling = 4;
 constexpr std::size_t most_settled = 6;
-/// Starts of a single effect, and how far below the linear view's ln of the evidence a refit makes
-/// the next worth trying.
+/// Starts of a single effect (of a set: two), and how far below the linear view's ln of the
+/// evidence a refit makes the next worth trying.
 constexpr std::size_t most_starts = 4;
 constexpr double falls_short = 5;
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -86,7 +86,8 @@ std::vector<Task> tasks_from(const LinearView& view, const ForwardModel& model,
     Beam beam(view, allowed, ln_odds, small);
     for (const Proposal& p : proposals(view, beam.run(), most, most_starts)) {
       Task task{{}, {}, at.ln_evidence + p.starts.front().score};
-      const std::size_t used = p.effects.size() == 1 ? p.starts.size() : 1;
+      const std::size_t used =
+          std::min(p.starts.size(), p.effects.size() == 1 ? most_starts : std::size_t{2});
       for (const ScoredSet& s : std::span(p.starts).first(used))
         task.starts.push_back(with_candidates(at.refit.explanation, view, s.set));
       task.effects = task.starts.front().effects;
@@ -213,7 +214,7 @@ SearchResult search(const ForwardModel& model, const SearchOptions& options) {
       centres.insert(centres.begin(), bare.effects);
     }
   }
-  const std::size_t most_rounds = 2 + centres.size();
+  const std::size_t most_rounds = 4 + centres.size();
   for (std::size_t round = 0; round < centres.size() && round < most_rounds; ++round) {
     tell(0.1 + 0.2 * static_cast<double>(round), "sets of effects");
     const std::vector<std::size_t> from = centres[round];
