@@ -338,6 +338,8 @@ class Diagnoser {
     const Hypothesis best = final_;
     keep(best);
     std::vector<std::set<std::string>> sets;
+    Hypothesis better = best;
+    std::string out, in;  // what `better` takes out and in
     const double ln_odds = log_prior_odds(model_, options_.search);
     std::vector<std::size_t> members;
     for (const std::size_t e : best.refit.explanation.effects)
@@ -397,11 +399,32 @@ class Diagnoser {
                                model_.effects()[view.candidates()[rivals[i]].effect].name,
                                best.refit, trials[i].refit});
         }
+        if (trials[i].ln_evidence > better.ln_evidence) {
+          better = trials[i];
+          out = model_.effects()[member].name;
+          in = model_.effects()[view.candidates()[rivals[i]].effect].name;
+        }
         keep(std::move(trials[i]));
       }
       sets.push_back(std::move(set));
     }
     d_.ambiguity_sets = merged(std::move(sets));
+    if (better.ln_evidence > best.ln_evidence) change_to(std::move(better), out, in, whitening);
+  }
+
+  /// A rival turned out to be the better explanation: `in` in place of `out`.
+  void change_to(Hypothesis better, const std::string& out, const std::string& in,
+                 const Whitening& whitening) {
+    const Refit before = std::move(final_.refit);
+    better.refit = refit(model_, better.refit.explanation, whitening);
+    final_ = std::move(better);
+    for (Diagnosis::Rival& r : d_.rivals) {
+      if (r.effect != out) continue;
+      if (r.rival_effect == in)
+        r = {in, out, final_.refit, before};
+      else
+        r = {in, r.rival_effect, final_.refit, std::move(r.rival)};
+    }
   }
 
   bool significant_rest() const { return d_.unexplained_p < options_.significance; }

@@ -39,25 +39,33 @@ class Surroundings {
 
   /// End of the 95 % interval on one side of the best value: `side` -1 or 1.
   double end(double side, double error) {
-    constexpr int most_steps = 8;
+    constexpr int most_steps = 10;
     constexpr double longer = 1.6;
+    constexpr double straight = 3;  // root of Δχ² to which it may be taken for a straight line
     const Parameter& p = parameter();
     const Eigen::VectorXd along = companions();
     const double least = unshaped_cost(fit_);
     Explanation at = fit_.explanation;
-    double last = at.alpha[place_][0], last_root = 0, step = two_sided_95 * error;
-    for (int i = 0; i < most_steps; ++i, step *= longer) {
-      const double next = std::clamp(last + side * step, p.lo, p.hi);
-      move(at, along * (next - last));
-      at.alpha[place_][0] = next;
-      const Refit held = refit(model_, at, whitening_, 12, &without(), {number_});
+    double last = at.alpha[place_][0], last_root = 0, step = side * two_sided_95 * error;
+    for (int i = 0; i < most_steps; ++i) {
+      const double next = std::clamp(last + step, p.lo, p.hi);
+      Explanation there = at;
+      move(there, along * (next - last));
+      there.alpha[place_][0] = next;
+      const Refit held = refit(model_, there, whitening_, 12, &without(), {number_});
       const double root = std::sqrt(std::max(0.0, unshaped_cost(held) - least));
-      if (root >= two_sided_95)
+      const bool inside = root < two_sided_95;
+      if (!inside && root < straight)
         return last + (next - last) * (two_sided_95 - last_root) / (root - last_root);
-      if (next <= p.lo || next >= p.hi) return next;
-      at = held.explanation;
-      last = next;
-      last_root = root;
+      if (inside && (next <= p.lo || next >= p.hi)) return next;
+      if (inside) {
+        at = held.explanation;
+        last = next;
+        last_root = root;
+        step *= longer;
+      } else {
+        step = 0.4 * (next - last);
+      }
     }
     return last;
   }
