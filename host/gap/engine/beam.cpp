@@ -93,6 +93,7 @@ std::vector<Proposal> proposals(const LinearView& view, const std::vector<Scored
   std::vector<Proposal> found;
   std::map<std::vector<std::size_t>, std::size_t> place;
   std::set<std::size_t> sizes;
+  std::size_t larges = 0;
   for (const ScoredSet& s : scored) {
     if (s.set.empty()) continue;
     std::vector<std::size_t> effects;
@@ -102,8 +103,15 @@ std::vector<Proposal> proposals(const LinearView& view, const std::vector<Scored
     if (there != place.end()) {
       std::vector<ScoredSet>& own = found[there->second].starts;
       if (own.size() < starts) own.push_back(s);
-    } else if (found.size() < most || !sizes.contains(effects.size())) {
+      continue;
+    }
+    // Large sets are variants of one: what they differ in shows in the next view.
+    constexpr std::size_t large = 4, most_large = 3;
+    const bool is_large = effects.size() >= large;
+    const bool room = found.size() < most && (!is_large || larges < most_large);
+    if (room || !sizes.contains(effects.size())) {
       sizes.insert(effects.size());
+      if (is_large) ++larges;
       place.emplace(effects, found.size());
       found.push_back({std::move(effects), {s}});
     }

@@ -435,12 +435,21 @@ class Diagnoser {
     std::set<std::size_t> hollow;
     const Eigen::MatrixXd& varying = d_.variation.signature;
     if (!varies(d_, options_) || varying.size() == 0) return hollow;
-    const auto fitted = static_cast<Eigen::Index>(fit.free.size());
+    // An effect that is absent has no shape: shapes stay, else a valley along which size and shape
+    // make up for each other would pass for doubt.
+    std::vector<Eigen::Index> sizes = fit.free;
+    auto shape = static_cast<Eigen::Index>(fit.explanation.base.size());
+    for (const std::size_t e : fit.explanation.effects)
+      for (const Parameter& p : model_.effects()[e].parameters) {
+        if (p.shape) std::erase(sizes, shape);
+        ++shape;
+      }
+    const auto fitted = static_cast<Eigen::Index>(sizes.size());
     Eigen::MatrixXd columns(fit.residual.size(), fitted + varying.cols());
-    columns.leftCols(fitted) = fit.jacobian(Eigen::all, fit.free);
+    columns.leftCols(fitted) = fit.jacobian(Eigen::all, sizes);
     columns.rightCols(varying.cols()) = varying;
     Eigen::MatrixXd matrix = columns.transpose() * columns;
-    matrix.diagonal().head(fitted) += fit.prior_precision(fit.free);
+    matrix.diagonal().head(fitted) += fit.prior_precision(sizes);
     Eigen::VectorXd right = Eigen::VectorXd::Zero(matrix.rows());
     right.tail(varying.cols()) = varying.transpose() * fit.residual;
     const Eigen::VectorXd unit = matrix.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
@@ -458,9 +467,9 @@ class Diagnoser {
       for (std::size_t i = 0; i < effect.parameters.size(); ++i, ++next) {
         const Parameter& p = effect.parameters[i];
         if (p.shape || p.choice) continue;
-        const auto place = std::find(fit.free.begin(), fit.free.end(), next);
-        if (place == fit.free.end()) continue;
-        const auto column = place - fit.free.begin();
+        const auto place = std::find(sizes.begin(), sizes.end(), next);
+        if (place == sizes.end()) continue;
+        const auto column = place - sizes.begin();
         const double away = fit.explanation.alpha[k][i] + step[column] - p.absent;
         needed = needed || away * away > options_.needed * covariance(column, column);
       }

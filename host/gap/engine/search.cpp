@@ -23,8 +23,8 @@ constexpr int most_iterations = 8, most_far_iterations = 16;
 /// ln of the odds against the best beyond which a hypothesis need not be settled to the last digit.
 constexpr double worth_settling = 4;
 constexpr std::size_t most_settled = 6;
-/// Starts of a single effect (of a set: two), and how far below the linear view's ln of the
-/// evidence a refit makes the next worth trying.
+/// Starts of a single effect (of two or three: two, of more: one), and how far below the linear
+/// view's ln of the evidence a refit makes the next worth trying.
 constexpr std::size_t most_starts = 4;
 constexpr double falls_short = 5;
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -86,8 +86,8 @@ std::vector<Task> tasks_from(const LinearView& view, const ForwardModel& model,
     Beam beam(view, allowed, ln_odds, small);
     for (const Proposal& p : proposals(view, beam.run(), most, most_starts)) {
       Task task{{}, {}, at.ln_evidence + p.starts.front().score};
-      const std::size_t used =
-          std::min(p.starts.size(), p.effects.size() == 1 ? most_starts : std::size_t{2});
+      const std::size_t worth = p.effects.size() == 1 ? most_starts : p.effects.size() < 4 ? 2 : 1;
+      const std::size_t used = std::min(p.starts.size(), worth);
       for (const ScoredSet& s : std::span(p.starts).first(used))
         task.starts.push_back(with_candidates(at.refit.explanation, view, s.set));
       task.effects = task.starts.front().effects;
@@ -157,116 +157,152 @@ double log_prior_odds(const ForwardModel& model, const SearchOptions& options) {
   return std::log(expected / (1 - expected));
 }
 
-SearchResult search(const ForwardModel& model, const SearchOptions& options) {
-  SearchResult result;
-  const auto tell = [&](double done, const char* what) {
-    if (options.progress) options.progress(done, what);
-  };
-  tell(0, "base model");
-  result.fold = fold_of_observations(model.observations().row, options.folds, options.seed);
+namespace {
 
-  Refit base = base_fit(model, options.threads);
-  tell(0.05, "structure of the model");
-  Refit centre = with_structure(model, base, options, result.structure);
-  Whitening whitening(model.noise(centre.mean));
-  {
-    // Noise that is not known beforehand is what the whole catalogue together cannot explain.
-    const LinearView view(model, centre, whitening, result.fold, true, options.threads);
-    const NoiseShape& shape = whitening.shape();
-    const auto [left, kept, rank] = view.left_by_everything();
-    if (!model.noise_is_known())
-      result.noise_scale =
-          std::sqrt(left.squaredNorm() / (static_cast<double>(left.size()) - rank));
-    result.relative_noise = learn_relative_noise(shape, left.cwiseProduct(whitening.white_sigma()),
-                                                 kept, result.noise_scale);
-    whitening = Whitening(shape, result.relative_noise, result.noise_scale);
-    result.whitening = std::make_shared<Whitening>(whitening);
-    base = refit(model, base.explanation, whitening);
-    centre = refit(model, centre.explanation, whitening);
+using EffectSet = std::vector<std::size_t>;
+
+/// One search: hypotheses by their sets of effects, each refitted once.
+class Searcher {
+ public:
+  Searcher(const ForwardModel& model, const SearchOptions& options)
+      : model_(model), options_(options), ln_odds_(log_prior_odds(model, options)) {}
+
+  SearchResult run() {
+    tell(0, "base model");
+    result_.fold = fold_of_observations(model_.observations().row, options_.folds, options_.seed);
+    Refit base = base_fit(model_, options_.threads);
+    tell(0.05, "structure of the model");
+    Refit centre = with_structure(model_, base, options_, result_.structure);
+    learn_noise(centre);
+    base = refit(model_, base.explanation, whitening());
+    centre = refit(model_, centre.explanation, whitening());
+    known_[{}] = assess(std::move(base));
+    const EffectSet structured = centre.explanation.effects;
+    known_.emplace(structured, assess(centre));
+
+    // A view is good near the explanation it was taken at. Large effects move it: look again from
+    // the best one found, until that does not change.
+    std::vector<EffectSet> centres = first_centres(centre.explanation);
+    const std::size_t most_rounds = 3 + centres.size();
+    for (std::size_t round = 0; round < centres.size() && round < most_rounds; ++round) {
+      tell(0.1 + 0.8 * static_cast<double>(round) / static_cast<double>(most_rounds),
+           "sets of effects");
+      const EffectSet from = centres[round];
+      look_around(from, from == structured);
+      const EffectSet& best = best_known();
+      if (round + 1 == centres.size() &&
+          std::find(centres.begin(), centres.end(), best) == centres.end())
+        centres.push_back(best);
+    }
+    settle_what_leads();
+    drop_what_rests();
+
+    for (auto& [effects, h] : known_) result_.hypotheses.push_back(std::move(h));
+    std::stable_sort(
+        result_.hypotheses.begin(), result_.hypotheses.end(),
+        [](const Hypothesis& a, const Hypothesis& b) { return a.ln_evidence > b.ln_evidence; });
+    for (std::size_t i = 0; i < result_.hypotheses.size(); ++i)
+      if (result_.hypotheses[i].refit.explanation.effects.empty()) result_.base = i;
+    tell(1, "done");
+    return std::move(result_);
   }
 
-  const double ln_odds = log_prior_odds(model, options);
-  // Sets of effects, each refitted once, by their numbers.
-  std::map<std::vector<std::size_t>, Hypothesis> known;
-  const auto assess = [&](Refit fit) {
+ private:
+  void tell(double done, const char* what) const {
+    if (options_.progress) options_.progress(done, what);
+  }
+
+  const Whitening& whitening() const { return *result_.whitening; }
+
+  /// Noise that is not known beforehand is what the whole catalogue together cannot explain.
+  void learn_noise(const Refit& centre) {
+    const Whitening first(model_.noise(centre.mean));
+    const LinearView view(model_, centre, first, result_.fold, true, options_.threads);
+    const auto [left, kept, rank] = view.left_by_everything();
+    if (!model_.noise_is_known())
+      result_.noise_scale =
+          std::sqrt(left.squaredNorm() / (static_cast<double>(left.size()) - rank));
+    result_.relative_noise = learn_relative_noise(
+        first.shape(), left.cwiseProduct(first.white_sigma()), kept, result_.noise_scale);
+    result_.whitening = std::make_shared<const Whitening>(first.shape(), result_.relative_noise,
+                                                          result_.noise_scale);
+  }
+
+  Hypothesis assess(Refit fit) const {
     Hypothesis h;
     h.ln_evidence =
-        log_evidence(model, fit) + ln_odds * static_cast<double>(fit.explanation.effects.size());
+        log_evidence(model_, fit) + ln_odds_ * static_cast<double>(fit.explanation.effects.size());
     h.refit = std::move(fit);
     return h;
-  };
-  known[{}] = assess(base);
-  if (!centre.explanation.effects.empty()) known[centre.explanation.effects] = assess(centre);
-
-  // The view is good near the explanation it was taken at. Large effects move it: look again from
-  // the best one found, until that does not change. Structure that took little away may have been
-  // bent to follow an effect: then look from the base too.
-  std::vector<std::size_t> best_effects = centre.explanation.effects;
-  std::vector<std::vector<std::size_t>> centres{best_effects};
-  {
-    Explanation bare = centre.explanation;
-    for (const std::size_t e : centre.explanation.effects)
-      if (std::find(result.structure.begin(), result.structure.end(), e) == result.structure.end())
-        bare = without_effect(bare, e);
-    if (bare.effects.size() < best_effects.size()) {
-      if (!known.contains(bare.effects))
-        known[bare.effects] = assess(refit(model, bare, whitening));
-      centres.insert(centres.begin(), bare.effects);
-    }
   }
-  const std::size_t most_rounds = 4 + centres.size();
-  for (std::size_t round = 0; round < centres.size() && round < most_rounds; ++round) {
-    tell(0.1 + 0.2 * static_cast<double>(round), "sets of effects");
-    const std::vector<std::size_t> from = centres[round];
-    const Hypothesis at = known.at(from);
-    const LinearView view(model, at.refit, whitening, result.fold, true, options.threads);
-    if (from == centre.explanation.effects) {
-      const std::vector<double> maxima = view.null_maxima(2000, options.seed);
-      result.null_99 = maxima[maxima.size() * 99 / 100];
+
+  /// The structure that was taken in. Where some of it took little away, and all of that together
+  /// too, it may have been bent to follow an effect: then what is left without that comes first.
+  std::vector<EffectSet> first_centres(const Explanation& structured) {
+    constexpr double little = 2;  // χ² without it over χ² with it
+    std::vector<EffectSet> centres{structured.effects};
+    Explanation bare = structured;
+    for (const std::size_t e : structured.effects)
+      if (std::find(result_.structure.begin(), result_.structure.end(), e) ==
+          result_.structure.end())
+        bare = without_effect(bare, e);
+    if (bare.effects.size() == structured.effects.size()) return centres;
+    if (!known_.contains(bare.effects))
+      known_[bare.effects] = assess(refit(model_, bare, whitening()));
+    if (known_.at(bare.effects).refit.chi2 < little * known_.at(structured.effects).refit.chi2)
+      centres.insert(centres.begin(), bare.effects);
+    return centres;
+  }
+
+  /// Refits what the view from a known hypothesis proposes, and that without each of its effects.
+  void look_around(const EffectSet& from, bool judge_chance) {
+    const Hypothesis at = known_.at(from);
+    const LinearView view(model_, at.refit, whitening(), result_.fold, true, options_.threads);
+    if (judge_chance) {
+      const std::vector<double> maxima = view.null_maxima(2000, options_.seed);
+      result_.null_99 = maxima[maxima.size() * 99 / 100];
     }
-    std::vector<Task> tasks = tasks_from(view, model, at, options, ln_odds);
-    std::erase_if(tasks, [&](const Task& t) { return known.contains(t.effects); });
-    // Backward: each effect of the centre on trial.
+    std::vector<Task> tasks = tasks_from(view, model_, at, options_, ln_odds_);
     for (const std::size_t e : from) {
       Explanation without = without_effect(at.refit.explanation, e);
-      if (known.contains(without.effects)) continue;
       tasks.push_back({without.effects, {without}, -infinity});
     }
+    std::erase_if(tasks, [&](const Task& t) { return known_.contains(t.effects); });
     std::vector<Hypothesis> assessed(tasks.size());
-    for_each_index(tasks.size(), options.threads, [&](std::size_t i) {
-      // A shape far from the best one leads a refit astray: what falls short of the view's promise
-      // is tried from another.
-      for (const Explanation& start : tasks[i].starts) {
-        Hypothesis h = assess(refit(model, start, whitening, most_iterations, &at.refit));
-        if (&start == &tasks[i].starts.front() || h.ln_evidence > assessed[i].ln_evidence)
-          assessed[i] = std::move(h);
-        if (assessed[i].ln_evidence > tasks[i].foretold - falls_short) break;
-      }
-      // A single effect that the view misjudged needs derivatives of its own.
-      if (tasks[i].effects.size() == from.size() + 1 &&
-          std::abs(assessed[i].ln_evidence - tasks[i].foretold) > falls_short)
-        assessed[i] =
-            assess(refit(model, assessed[i].refit.explanation, whitening, most_far_iterations));
-    });
+    for_each_index(tasks.size(), options_.threads,
+                   [&](std::size_t i) { assessed[i] = carried_out(tasks[i], at.refit); });
     for (std::size_t i = 0; i < tasks.size(); ++i)
-      known.emplace(tasks[i].effects, std::move(assessed[i]));
-
-    double best = -infinity;
-    for (const auto& [effects, h] : known) {
-      if (h.ln_evidence > best) {
-        best = h.ln_evidence;
-        best_effects = effects;
-      }
-    }
-    if (round + 1 == centres.size() &&
-        std::find(centres.begin(), centres.end(), best_effects) == centres.end())
-      centres.push_back(best_effects);
+      known_.emplace(tasks[i].effects, std::move(assessed[i]));
   }
 
-  // What leads is settled with its own derivatives.
-  {
+  /// A shape far from the best one leads a refit astray: what falls short of the view's promise is
+  /// tried from another. A single effect that the view misjudged needs derivatives of its own.
+  Hypothesis carried_out(const Task& task, const Refit& near) const {
+    Hypothesis best;
+    best.ln_evidence = -infinity;
+    for (const Explanation& start : task.starts) {
+      Hypothesis h = assess(refit(model_, start, whitening(), most_iterations, &near));
+      if (&start == &task.starts.front() || h.ln_evidence > best.ln_evidence) best = std::move(h);
+      if (best.ln_evidence > task.foretold - falls_short) break;
+    }
+    if (task.effects.size() == near.explanation.effects.size() + 1 &&
+        std::abs(best.ln_evidence - task.foretold) > falls_short)
+      best = assess(refit(model_, best.refit.explanation, whitening(), most_far_iterations));
+    return best;
+  }
+
+  const EffectSet& best_known() const {
+    return std::max_element(known_.begin(), known_.end(),
+                            [](const auto& a, const auto& b) {
+                              return a.second.ln_evidence < b.second.ln_evidence;
+                            })
+        ->first;
+  }
+
+  /// What leads gets derivatives of its own.
+  void settle_what_leads() {
     std::vector<Hypothesis*> leading;
-    for (auto& [effects, h] : known) leading.push_back(&h);
+    for (auto& [effects, h] : known_) leading.push_back(&h);
     std::stable_sort(leading.begin(), leading.end(), [](const Hypothesis* a, const Hypothesis* b) {
       return a->ln_evidence > b->ln_evidence;
     });
@@ -275,35 +311,36 @@ SearchResult search(const ForwardModel& model, const SearchOptions& options) {
     std::erase_if(leading, [&](const Hypothesis* h) {
       return h->refit.own_derivatives || h->ln_evidence < best - worth_settling;
     });
-    for_each_index(leading.size(), options.threads, [&](std::size_t i) {
-      *leading[i] = assess(refit(model, leading[i]->refit.explanation, whitening, 6));
+    for_each_index(leading.size(), options_.threads, [&](std::size_t i) {
+      *leading[i] = assess(refit(model_, leading[i]->refit.explanation, whitening(), 6));
     });
   }
 
-  // An effect that a refit put to rest at its absence is no hypothesis of its own.
-  std::erase_if(known, [&](const auto& entry) {
-    for (const std::size_t e : entry.first) {
-      const auto smaller = known.find([&] {
-        std::vector<std::size_t> rest = entry.first;
+  /// An effect that a refit put to rest at its absence is no hypothesis of its own.
+  void drop_what_rests() {
+    constexpr double nothing = 0.5;  // of χ²
+    const auto cost = [](const Hypothesis& h) { return h.refit.chi2 + h.refit.penalty; };
+    std::erase_if(known_, [&](const auto& entry) {
+      return std::any_of(entry.first.begin(), entry.first.end(), [&](std::size_t e) {
+        EffectSet rest = entry.first;
         std::erase(rest, e);
-        return rest;
-      }());
-      if (smaller != known.end() && smaller->second.refit.chi2 + smaller->second.refit.penalty -
-                                            entry.second.refit.chi2 - entry.second.refit.penalty <
-                                        0.5)
-        return true;
-    }
-    return false;
-  });
+        const auto smaller = known_.find(rest);
+        return smaller != known_.end() && cost(smaller->second) - cost(entry.second) < nothing;
+      });
+    });
+  }
 
-  for (auto& [effects, h] : known) result.hypotheses.push_back(std::move(h));
-  std::stable_sort(
-      result.hypotheses.begin(), result.hypotheses.end(),
-      [](const Hypothesis& a, const Hypothesis& b) { return a.ln_evidence > b.ln_evidence; });
-  for (std::size_t i = 0; i < result.hypotheses.size(); ++i)
-    if (result.hypotheses[i].refit.explanation.effects.empty()) result.base = i;
-  tell(1, "done");
-  return result;
+  const ForwardModel& model_;
+  const SearchOptions& options_;
+  double ln_odds_;
+  std::map<EffectSet, Hypothesis> known_;
+  SearchResult result_;
+};
+
+}  // namespace
+
+SearchResult search(const ForwardModel& model, const SearchOptions& options) {
+  return Searcher(model, options).run();
 }
 
 }  // namespace umov::gap

@@ -15,7 +15,7 @@
 namespace umov::gap {
 
 struct SearchOptions {
-  std::size_t max_effects = 10;   ///< besides structural ones
+  std::size_t max_effects = 8;    ///< besides structural ones
   std::size_t max_structure = 6;  ///< structural ones taken in before the others
   std::size_t beam = 24;          ///< sets kept at each size
   std::size_t refits = 12;        ///< best sets that are refitted in full
