@@ -9,12 +9,13 @@ namespace umov::firmware {
 using protocol::Fault;
 using protocol::State;
 
-Controller::Controller(Board& board, PersistentLog& log, const Identity& identity)
+Controller::Controller(Board& board, PersistentLog& log, const Identity& identity,
+                       const AxisTable& axes)
     : board_(&board),
       log_(&log),
       identity_(identity),
       outputs_(board),
-      motion_(board),
+      motion_(board, axes),
       sequencer_(board, motion_, outputs_),
       safety_(board, log, identity.boot_id),
       link_(board) {}

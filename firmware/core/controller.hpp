@@ -21,7 +21,8 @@ namespace umov::firmware {
 /// on_link_bytes() in the main loop.
 class Controller {
  public:
-  Controller(Board& board, PersistentLog& log, const Identity& identity);
+  Controller(Board& board, PersistentLog& log, const Identity& identity,
+             const AxisTable& axes = default_axes);
 
   /// Once, when the hardware is ready: dark, gain 1, faults of the last reset latched.
   void start();
