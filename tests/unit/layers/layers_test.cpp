@@ -22,6 +22,7 @@ const std::map<std::string, std::set<std::string>> allowed = {
     {"protocol/tools", {"protocol"}},
     {"firmware", {"protocol"}},
     {"boards/native", {"protocol", "firmware"}},
+    {"boards/stm32f407", {"protocol", "firmware"}},
     {"host/errors", {}},
     {"host/parallel", {}},
     {"host/parallel/ranks", {"host/errors"}},
