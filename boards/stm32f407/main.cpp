@@ -80,8 +80,9 @@ void on_exti(std::uint32_t lines) {
   stalled(pending);
 }
 
-void on_step_timer(unsigned timer) {
-  board.steps().on_interrupt(timer, [](int axis) { return controller->on_step_timer(axis); });
+template <unsigned timer>
+void on_step_timer() {
+  board.steps().on_interrupt<timer>([](int axis) { return controller->on_step_timer(axis); });
 }
 
 }  // namespace
@@ -92,10 +93,10 @@ using namespace umov::boards::stm32f407;
 extern "C" {
 
 void tim2_handler() {
-  on_step_timer(2);
+  on_step_timer<2>();
 }
 void tim5_handler() {
-  on_step_timer(5);
+  on_step_timer<5>();
 }
 void exti4_handler() {
   on_exti(bit(4));

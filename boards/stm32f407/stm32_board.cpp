@@ -1,5 +1,8 @@
 #include "boards/stm32f407/stm32_board.hpp"
 
+#include <array>
+#include <utility>
+
 #include "boards/stm32f407/pins.hpp"
 #include "boards/stm32f407/registers/core.hpp"
 
@@ -49,8 +52,23 @@ void Stm32Board::set_direction(int axis, int direction) {
 }
 
 firmware::AxisInputs Stm32Board::switches(int axis) const {
-  const AxisPins& pins = axis_pins[static_cast<std::size_t>(axis)];
-  return {read(pins.home), read(pins.lower_limit), read(pins.upper_limit)};
+  // Asked at every step: addresses and masks are worked out beforehand.
+  struct Input {
+    std::uintptr_t port;
+    std::uint32_t mask;
+    explicit constexpr Input(Pin pin) : port(gpio_base(pin.port)), mask(pin.mask()) {}
+    bool read() const { return (at<GpioRegisters>(port).IDR & mask) != 0; }
+  };
+  struct Inputs {
+    Input home, lower_limit, upper_limit;
+  };
+  static constexpr auto inputs = []<std::size_t... i>(std::index_sequence<i...>) {
+    return std::array{Inputs{Input(axis_pins[i].home), Input(axis_pins[i].lower_limit),
+                             Input(axis_pins[i].upper_limit)}...};
+  }
+  (std::make_index_sequence<axis_pins.size()>{});
+  const Inputs& in = inputs[static_cast<std::size_t>(axis)];
+  return {in.home.read(), in.lower_limit.read(), in.upper_limit.read()};
 }
 
 void Stm32Board::set_laser(int laser, bool on) {

@@ -20,7 +20,7 @@ struct McuBoardOptions {
   std::string image;
   ChipOptions chip{};
   /// Called at every rising edge of a step pin with the axis and the moment; may be empty.
-  std::function<void(int axis, Time moment)> on_step;
+  std::function<void(int axis, Time moment)> on_step{};
 };
 
 /// The same verbs as boards::native::NativeBoard. Deterministic. Not thread-safe. Every call that

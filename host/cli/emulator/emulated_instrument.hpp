@@ -32,6 +32,9 @@ struct BenchOptions {
 /// resumed only on the instrument it was begun on.
 std::string bench_serial(const BenchOptions& options);
 
+/// The plant of these options. Throws umov::Error for an unknown sample, preset or parameter.
+plant::PlantSetup plant_setup(const BenchOptions& options);
+
 /// Board and plant together. Owns both; not thread-safe.
 class EmulatedInstrument {
  public:

@@ -63,6 +63,8 @@ const std::map<std::string, std::set<std::string>> allowed = {
     {"host/cli/emulator",
      {"host/errors", "host/optics", "host/instrument", "boards/native", "firmware", "hil/plant",
       "protocol"}},
+    {"host/cli/emulator/mcu",
+     {"host/cli/emulator", "host/instrument", "hil/mcu", "hil/mcu/board", "hil/plant"}},
     {"host/cli/study",
      {"host/gap/answer", "host/gap/benchmark", "host/errors", "host/parallel", "host/optics",
       "host/brdf", "host/formats", "host/instrument", "host/scan", "host/calibrate", "host/invert",
