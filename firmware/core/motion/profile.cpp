@@ -98,6 +98,9 @@ Profile::Profile(std::uint32_t steps, const MotionLimits& limits, std::uint32_t 
 }
 
 void Profile::build_segments() {
+  total_ = durations_.total();
+  half_ = durations_.half();
+  steps_ = static_cast<std::uint32_t>((distance_ + half_step) >> fraction_bits);
   const std::uint64_t t1 = durations_.jerk;
   const std::uint64_t t2 = durations_.acceleration;
   const std::uint64_t u = t1 + t2;
@@ -171,10 +174,6 @@ Profile Profile::stopped_after(std::uint64_t ticks) const {
   return stop;
 }
 
-std::uint32_t Profile::steps() const {
-  return static_cast<std::uint32_t>((distance_ + half_step) >> fraction_bits);
-}
-
 const Profile::Segment& Profile::segment_at(std::uint64_t ticks) const {
   int index = 3;
   while (index > 0 && ticks < segments_[static_cast<std::size_t>(index)].begin) --index;
@@ -193,7 +192,7 @@ std::uint64_t Profile::distance_at(std::uint64_t ticks) const {
 std::uint64_t Profile::rising_tick(std::uint64_t distance, std::uint64_t guess) const {
   // The distance is convex over the first half, so Newton's iteration comes from above after its
   // first step and cannot leave the half.
-  const std::uint64_t half = durations_.half();
+  const std::uint64_t half = half_;
   std::uint64_t t = std::min(guess, half);
   for (int iteration = 0; iteration < 100; ++iteration) {
     const Segment& g = segment_at(t);
