@@ -12,6 +12,9 @@
 #include "host/cli/device_choice.hpp"
 #include "host/cli/emulator/emulated_instrument.hpp"
 #include "host/cli/emulator/truth.hpp"
+#ifdef UMOV_EMULATED_BOARD
+#include "host/cli/emulator/mcu/serve_image.hpp"
+#endif
 #include "host/cli/interrupt.hpp"
 #include "host/cli/output_file.hpp"
 #include "host/errors/error.hpp"
@@ -23,6 +26,7 @@ struct Options {
   DeviceChoice plant;
   std::uint16_t port = 5025;
   std::string address = "127.0.0.1";
+  std::string image;
   bool real_time = false;
   bool list = false;
   bool parameters = false;
@@ -103,7 +107,14 @@ void run(const Options& options, const Common& common) {
   serve_options.on_event = [&](const std::string& event) {
     if (!common.quiet) fmt::print(stderr, "{}\n", event);
   };
-  emulator::serve(bench, serve_options, [] { return !interrupt_flag().load(); });
+  const auto keep_going = [] { return !interrupt_flag().load(); };
+  if (options.image.empty()) return emulator::serve(bench, serve_options, keep_going);
+#ifdef UMOV_EMULATED_BOARD
+  emulator::serve_image(bench, options.image, serve_options, keep_going);
+#else
+  throw Error("this program was built without the emulated controller board",
+              "install libunicorn-dev and build again, or leave --image out");
+#endif
 }
 
 }  // namespace
@@ -116,6 +127,11 @@ void add_emulator_command(CLI::App& root, const Common& common) {
   add_plant_options(*command, options->plant);
   command->add_option("--port", options->port, "TCP port, 0 = any free one")->capture_default_str();
   command->add_option("--address", options->address, "address to listen on")->capture_default_str();
+  command
+      ->add_option("--image", options->image,
+                   "run this image of the controller board (umov-stm32f407.elf) on an emulated "
+                   "STM32F407 instead of the firmware core as a process")
+      ->type_name("ELF");
   command->add_flag("--real-time", options->real_time, "let emulated time follow the wall clock");
   command->add_flag("--list", options->list, "the shipped samples");
   command->add_flag("--parameters", options->parameters,

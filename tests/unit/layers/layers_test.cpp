@@ -70,11 +70,16 @@ const std::map<std::string, std::set<std::string>> allowed = {
       "host/brdf", "host/formats", "host/instrument", "host/scan", "host/calibrate", "host/invert",
       "host/gap/engine", "host/gap/scan", "host/gap/pointing", "host/report", "host/cli/emulator",
       "protocol"}},
-    {"host/cli",
-     {"host/errors", "host/optics", "host/brdf", "host/formats", "host/instrument", "host/scan",
-      "hil/plant", "hil/blind", "host/calibrate", "host/invert", "host/gap/engine", "host/gap/scan",
-      "host/gap/answer", "host/gap/benchmark", "host/parallel/ranks", "host/report",
-      "host/cli/emulator", "host/cli/study", "protocol"}},
+    {"host/cli", {"host/errors",         "host/optics",
+                  "host/brdf",           "host/formats",
+                  "host/instrument",     "host/scan",
+                  "hil/plant",           "hil/blind",
+                  "host/calibrate",      "host/invert",
+                  "host/gap/engine",     "host/gap/scan",
+                  "host/gap/answer",     "host/gap/benchmark",
+                  "host/parallel/ranks", "host/report",
+                  "host/cli/emulator",   "host/cli/emulator/mcu",
+                  "host/cli/study",      "protocol"}},
 };
 
 // What freestanding code may take from the standard library.
