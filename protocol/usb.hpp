@@ -36,8 +36,10 @@ inline constexpr std::size_t report_bytes = 64;
 /// Length of a hand controller's reports, both ways.
 inline constexpr std::size_t hand_report_bytes = 8;
 
-/// Vendor request to interface 0 without data: wValue 1 when a program has opened the bulk pipes,
-/// 0 when it leaves, so that another need not wait until it has been silent for a while.
+/// A program tells when it opens the pipe and when it leaves, so that another need not wait until
+/// it has been silent for a while: on the bulk interface by this vendor request without data,
+/// wValue 1 or 0; on the report interface by a feature report of one byte, 1 or 0.
 inline constexpr std::uint8_t request_user_present = 0x02;
+inline constexpr std::size_t presence_report_bytes = 1;
 
 }  // namespace umov::protocol::usb

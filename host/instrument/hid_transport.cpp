@@ -28,7 +28,12 @@ using HidHandle = std::unique_ptr<hid_device, CloseHid>;
 class HidTransport final : public Transport {
  public:
   HidTransport(Socket lock, HidHandle handle, std::string name)
-      : lock_(std::move(lock)), handle_(std::move(handle)), name_(std::move(name)) {}
+      : lock_(std::move(lock)), handle_(std::move(handle)), name_(std::move(name)) {
+    tell_presence(1);
+  }
+  ~HidTransport() override { tell_presence(0); }
+  HidTransport(const HidTransport&) = delete;
+  HidTransport& operator=(const HidTransport&) = delete;
 
   void write(std::span<const std::uint8_t> bytes) override {
     while (!bytes.empty()) {
@@ -60,6 +65,11 @@ class HidTransport final : public Transport {
   std::string name() const override { return name_; }
 
  private:
+  void tell_presence(unsigned char present) {
+    // Report number 0, then the report. A controller that has gone needs not be told.
+    const std::array<unsigned char, 1 + protocol::usb::presence_report_bytes> report{0, present};
+    (void)hid_send_feature_report(handle_.get(), report.data(), report.size());
+  }
   [[noreturn]] void lose() const {
     throw LinkLost(name_, "connection lost: the controller was unplugged");
   }

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "host/errors/error.hpp"
 #include "host/instrument/usb_devices.hpp"
@@ -31,7 +32,11 @@ inline UsbContext open_usb_context() {
   return UsbContext(context);
 }
 
-/// The device's node, such as /dev/bus/usb/001/004.
-std::string usb_node(libusb_device* device);
+/// The controllers that a context sees, by serial number, opened where the user may.
+struct OpenUsbDevice {
+  UsbDeviceInfo info;
+  UsbHandle handle;
+};
+std::vector<OpenUsbDevice> find_usb_devices(libusb_context* context);
 
 }  // namespace umov::instrument

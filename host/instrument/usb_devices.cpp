@@ -21,6 +21,13 @@ namespace {
 namespace fs = std::filesystem;
 namespace usb = protocol::usb;
 
+std::string node_of(libusb_device* device) {
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), "/dev/bus/usb/%03d/%03d", libusb_get_bus_number(device),
+                libusb_get_device_address(device));
+  return text.data();
+}
+
 std::string string_of(libusb_device_handle* handle, std::uint8_t index) {
   std::array<unsigned char, 128> text{};
   const int size = index == 0 ? 0
@@ -30,21 +37,22 @@ std::string string_of(libusb_device_handle* handle, std::uint8_t index) {
 }
 
 /// False when it is somebody else's device with the shared id.
-bool describe(libusb_device* device, UsbDeviceInfo& info) {
+bool describe(libusb_device* device, OpenUsbDevice& found) {
+  UsbDeviceInfo& info = found.info;
   libusb_device_descriptor descriptor{};
   if (libusb_get_device_descriptor(device, &descriptor) != 0 ||
       descriptor.idVendor != usb::vendor_id || descriptor.idProduct != usb::product_id) {
     return false;
   }
-  info.node = usb_node(device);
+  info.node = node_of(device);
   libusb_device_handle* raw = nullptr;
   const int code = libusb_open(device, &raw);
   if (code == LIBUSB_ERROR_ACCESS) return true;  // perhaps ours: told, so that it can be opened
   if (code != 0) return false;
-  const UsbHandle handle(raw);
-  if (string_of(handle.get(), descriptor.iManufacturer) != usb::manufacturer) return false;
-  info.serial = string_of(handle.get(), descriptor.iSerialNumber);
-  info.product = string_of(handle.get(), descriptor.iProduct);
+  found.handle.reset(raw);
+  if (string_of(raw, descriptor.iManufacturer) != usb::manufacturer) return false;
+  info.serial = string_of(raw, descriptor.iSerialNumber);
+  info.product = string_of(raw, descriptor.iProduct);
   info.accessible = true;
   return true;
 }
@@ -58,10 +66,8 @@ std::string narrow(const wchar_t* text) {
   return out;
 }
 
-void sort_by_serial(std::vector<UsbDeviceInfo>& devices) {
-  std::sort(devices.begin(), devices.end(), [](const auto& a, const auto& b) {
-    return a.serial != b.serial ? a.serial < b.serial : a.node < b.node;
-  });
+bool before(const UsbDeviceInfo& a, const UsbDeviceInfo& b) {
+  return a.serial != b.serial ? a.serial < b.serial : a.node < b.node;
 }
 
 /// "usb:A, usb:B".
@@ -76,25 +82,25 @@ std::string names_of(const std::vector<UsbDeviceInfo>& devices, const std::strin
 
 }  // namespace
 
-std::string usb_node(libusb_device* device) {
-  std::array<char, 40> text{};
-  std::snprintf(text.data(), text.size(), "/dev/bus/usb/%03d/%03d", libusb_get_bus_number(device),
-                libusb_get_device_address(device));
-  return text.data();
+std::vector<OpenUsbDevice> find_usb_devices(libusb_context* context) {
+  libusb_device** list = nullptr;
+  const auto count = libusb_get_device_list(context, &list);
+  std::vector<OpenUsbDevice> found;
+  for (ssize_t i = 0; i < count; ++i) {
+    OpenUsbDevice device;
+    if (describe(list[i], device)) found.push_back(std::move(device));
+  }
+  if (count >= 0) libusb_free_device_list(list, 1);
+  std::sort(found.begin(), found.end(),
+            [](const auto& a, const auto& b) { return before(a.info, b.info); });
+  return found;
 }
 
 std::vector<UsbDeviceInfo> list_usb_devices() {
   const UsbContext context = open_usb_context();
-  libusb_device** list = nullptr;
-  const auto count = libusb_get_device_list(context.get(), &list);
-  std::vector<UsbDeviceInfo> found;
-  for (ssize_t i = 0; i < count; ++i) {
-    UsbDeviceInfo info;
-    if (describe(list[i], info)) found.push_back(info);
-  }
-  if (count >= 0) libusb_free_device_list(list, 1);
-  sort_by_serial(found);
-  return found;
+  std::vector<UsbDeviceInfo> infos;
+  for (const auto& device : find_usb_devices(context.get())) infos.push_back(device.info);
+  return infos;
 }
 
 std::vector<UsbDeviceInfo> list_hid_devices() {
@@ -109,7 +115,7 @@ std::vector<UsbDeviceInfo> list_hid_devices() {
                      ::access(entry->path, R_OK | W_OK) == 0});
   }
   hid_free_enumeration(list);
-  sort_by_serial(found);
+  std::sort(found.begin(), found.end(), before);
   return found;
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <deque>
 #include <vector>
 
 #include "host/instrument/libusb_handles.hpp"
@@ -44,6 +43,7 @@ class UsbTransport final : public Transport {
   UsbTransport& operator=(const UsbTransport&) = delete;
 
   ~UsbTransport() override {
+    closing_ = true;  // a read that has ended already must not begin anew
     for (Read& read : reads_) {
       if (read.in_flight) libusb_cancel_transfer(read.transfer);
     }
@@ -82,10 +82,13 @@ class UsbTransport final : public Transport {
       require_link();
       return 0;
     }
-    const std::size_t count = std::min(buffer.size(), received_.size());
-    const auto end = received_.begin() + static_cast<std::ptrdiff_t>(count);
-    std::copy(received_.begin(), end, buffer.begin());
-    received_.erase(received_.begin(), end);
+    const std::size_t count = std::min(buffer.size(), received_.size() - taken_);
+    std::copy_n(received_.begin() + static_cast<std::ptrdiff_t>(taken_), count, buffer.begin());
+    taken_ += count;
+    if (taken_ == received_.size()) {
+      received_.clear();
+      taken_ = 0;
+    }
     return count;
   }
 
@@ -139,7 +142,7 @@ class UsbTransport final : public Transport {
   }
 
   void submit(Read& read) {
-    if (!lost_.empty()) return;
+    if (closing_ || !lost_.empty()) return;
     const int code = libusb_submit_transfer(read.transfer);
     read.in_flight = code == 0;
     if (code != 0) lose(std::string("connection lost: ") + libusb_strerror(code));
@@ -180,33 +183,26 @@ class UsbTransport final : public Transport {
   std::string name_;
   WallClock clock_;
   std::array<Read, reads_in_flight> reads_{};
-  std::deque<std::uint8_t> received_;
+  std::vector<std::uint8_t> received_;  ///< emptied when all of it is taken
+  std::size_t taken_ = 0;
   int news_ = 0;
+  bool closing_ = false;
   std::string lost_;
 };
-
-/// The device at that node, opened; empty when it has gone meanwhile.
-UsbHandle open_node(libusb_context* context, const std::string& node) {
-  libusb_device** list = nullptr;
-  const auto count = libusb_get_device_list(context, &list);
-  UsbHandle handle;
-  for (ssize_t i = 0; i < count && !handle; ++i) {
-    if (usb_node(list[i]) != node) continue;
-    libusb_device_handle* raw = nullptr;
-    if (libusb_open(list[i], &raw) == 0) handle.reset(raw);
-  }
-  if (count >= 0) libusb_free_device_list(list, 1);
-  return handle;
-}
 
 }  // namespace
 
 std::unique_ptr<Transport> connect_usb(const std::string& serial) {
-  const UsbDeviceInfo device = choose_device(list_usb_devices(), "usb", serial);
-  const std::string name = "usb:" + device.serial;
   UsbContext context = open_usb_context();
-  UsbHandle handle = open_node(context.get(), device.node);
-  if (!handle) throw LinkLost(name, "the controller has gone");
+  std::vector<OpenUsbDevice> found = find_usb_devices(context.get());
+  std::vector<UsbDeviceInfo> infos;
+  for (const auto& one : found) infos.push_back(one.info);
+  const UsbDeviceInfo device = choose_device(infos, "usb", serial);
+  const std::string name = "usb:" + device.serial;
+  UsbHandle handle = std::move(std::find_if(found.begin(), found.end(), [&](const auto& one) {
+                                 return one.info.node == device.node;
+                               })->handle);
+  found.clear();
   const int code = libusb_claim_interface(handle.get(), usb::interface::bulk);
   if (code == LIBUSB_ERROR_BUSY) throw_busy(name, device.node);
   if (code != 0) throw LinkLost(name, std::string("cannot use it: ") + libusb_strerror(code));

@@ -43,8 +43,9 @@ inline constexpr std::uint8_t get_report = 1;
 inline constexpr std::uint8_t get_idle = 2;
 inline constexpr std::uint8_t set_report = 9;
 inline constexpr std::uint8_t set_idle = 10;
-inline constexpr std::uint8_t input_report = 1;   ///< high byte of wValue
-inline constexpr std::uint8_t output_report = 2;  ///< high byte of wValue
+inline constexpr std::uint8_t input_report = 1;    ///< high byte of wValue
+inline constexpr std::uint8_t output_report = 2;   ///< high byte of wValue
+inline constexpr std::uint8_t feature_report = 3;  ///< high byte of wValue
 }  // namespace hid
 
 /// bRequest and values of the DFU class, DFU 1.1 sections 3 and 6.1.

@@ -53,20 +53,26 @@ inline constexpr InterfaceClass bulk_class = {0xff, 0x55, 0x01};
 inline constexpr InterfaceClass hid_class = {0x03, 0x00, 0x00};
 inline constexpr InterfaceClass dfu_runtime_class = {0xfe, 0x01, 0x01};
 
-/// The protocol: 64 bytes each way, padded with zeros. Vendor-defined usage page FF00, usage 1.
-inline constexpr Bytes<27> reports_descriptor = {
-    0x06, 0x00,         0xff,  // usage page (vendor-defined)
-    0x09, 0x01,                // usage (1)
-    0xa1, 0x01,                // collection (application)
-    0x15, 0x00,                //   logical minimum (0)
-    0x26, 0xff,         0x00,  //   logical maximum (255)
-    0x75, 0x08,                //   report size (8)
-    0x95, report_bytes,        // report count
-    0x09, 0x02,                //   usage (2)
-    0x81, 0x02,                //   input (data, variable, absolute)
-    0x09, 0x03,                //   usage (3)
-    0x91, 0x02,                //   output (data, variable, absolute)
-    0xc0,                      // end collection
+/// The protocol: 64 bytes each way, padded with zeros, and one byte that tells whether a program is
+/// there. Vendor-defined usage page FF00, usage 1.
+inline constexpr Bytes<33> reports_descriptor = {
+    0x06, 0x00,
+    0xff,        // usage page (vendor-defined)
+    0x09, 0x01,  // usage (1)
+    0xa1, 0x01,  // collection (application)
+    0x15, 0x00,  //   logical minimum (0)
+    0x26, 0xff,
+    0x00,                                        //   logical maximum (255)
+    0x75, 0x08,                                  //   report size (8)
+    0x95, report_bytes,                          // report count
+    0x09, 0x02,                                  //   usage (2)
+    0x81, 0x02,                                  //   input (data, variable, absolute)
+    0x09, 0x03,                                  //   usage (3)
+    0x91, 0x02,                                  //   output (data, variable, absolute)
+    0x95, protocol::usb::presence_report_bytes,  // report count
+    0x09, 0x04,                                  //   usage (4): a program is there, 1, or leaves, 0
+    0xb1, 0x02,                                  //   feature (data, variable, absolute)
+    0xc0,                                        // end collection
 };
 /// The hand controller: usage 0x10 of the same page.
 inline constexpr Bytes<27> hand_descriptor = {

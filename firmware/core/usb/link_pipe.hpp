@@ -57,8 +57,11 @@ class LinkPipe {
     end_due_ = false;
     reader_.reset();
   }
+  /// The host has halted the IN endpoint: what was under way is gone.
+  void halt_in() { halted_in_ = true; }
   /// After the halt of an endpoint.
   void restart_in() {
+    halted_in_ = false;
     sending_ = false;
     end_due_ = false;
   }
@@ -67,7 +70,7 @@ class LinkPipe {
     port_->receive(endpoints_.out, received_);
   }
 
-  bool can_send() const { return open_ && !sending_; }
+  bool can_send() const { return open_ && !sending_ && !halted_in_; }
 
   /// Starts a transfer with what `ring` holds, if the pipe is free.
   void send_from(TransmitRing& ring) {
@@ -122,6 +125,7 @@ class LinkPipe {
   LinkEndpoints endpoints_;
   bool open_ = false;
   bool sending_ = false;
+  bool halted_in_ = false;
   bool end_due_ = false;
   protocol::FrameReader reader_{};
   // One packet at a time: a host may stop after any packet and wait for the answer.

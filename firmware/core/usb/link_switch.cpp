@@ -55,6 +55,12 @@ bool LinkSwitch::on_received(EndpointAddress address, std::size_t size) {
   return false;
 }
 
+void LinkSwitch::on_halt(EndpointAddress address) {
+  for (LinkPipe& pipe : pipes_) {
+    if (pipe.endpoints().in == address) pipe.halt_in();
+  }
+}
+
 bool LinkSwitch::on_halt_cleared(EndpointAddress address) {
   for (LinkPipe& pipe : pipes_) {
     if (!pipe.open()) continue;
@@ -71,8 +77,8 @@ bool LinkSwitch::on_halt_cleared(EndpointAddress address) {
   return false;
 }
 
-void LinkSwitch::on_bulk_user(bool present) {
-  if (!present && owner_ == &pipes_[0]) release();
+void LinkSwitch::on_user(PipeKind kind, bool present) {
+  if (!present && owner_ == &pipes_[static_cast<std::size_t>(kind)]) release();
 }
 
 void LinkSwitch::take(LinkPipe& pipe, std::span<const std::uint8_t> bytes) {

@@ -18,6 +18,8 @@ namespace umov::firmware::usb {
 /// host must say something (PROTOCOL.md, Session 7).
 inline constexpr std::uint64_t owner_silence_us = 1'500'000;
 
+enum class PipeKind : std::uint8_t { bulk, reports };
+
 class LinkSwitch {
  public:
   LinkSwitch(Port& port, Application& application)
@@ -41,11 +43,12 @@ class LinkSwitch {
   /// False when the endpoint is none of these pipes.
   bool on_sent(EndpointAddress address);
   bool on_received(EndpointAddress address, std::size_t size);
+  void on_halt(EndpointAddress address);
   bool on_halt_cleared(EndpointAddress address);
   /// A packet for the report pipe that came through the control endpoint (SET_REPORT).
   void take_report(std::span<const std::uint8_t> bytes) { take(pipes_[1], bytes); }
-  /// The host's program on the bulk pipe has opened or closed it.
-  void on_bulk_user(bool present);
+  /// The host's program on a pipe has opened it or leaves it.
+  void on_user(PipeKind kind, bool present);
 
  private:
   void send() {

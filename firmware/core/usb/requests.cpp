@@ -6,11 +6,9 @@
 namespace umov::firmware::usb {
 namespace {
 
-/// The HID interfaces' report descriptors and sizes.
 struct HidFunction {
   std::span<const std::uint8_t> hid;
   std::span<const std::uint8_t> report;
-  std::size_t report_size;
 };
 
 bool is_hid(std::uint16_t number) {
@@ -19,9 +17,17 @@ bool is_hid(std::uint16_t number) {
 
 HidFunction hid_function(std::uint16_t number) {
   if (number == interface::reports) {
-    return {reports_hid_descriptor, reports_descriptor, report_bytes};
+    return {reports_hid_descriptor, reports_descriptor};
   }
-  return {hand_hid_descriptor, hand_descriptor, hand_report_bytes};
+  return {hand_hid_descriptor, hand_descriptor};
+}
+
+/// Length of the report that SET_REPORT is about, 0 when there is none of that kind.
+std::size_t report_size(const Request& request) {
+  const bool output = request.value_high() == hid::output_report;
+  if (request.index == interface::hand) return output ? hand_report_bytes : 0;
+  if (output) return report_bytes;
+  return request.value_high() == hid::feature_report ? protocol::usb::presence_report_bytes : 0;
 }
 
 bool is_endpoint(std::uint16_t address) {
@@ -154,6 +160,7 @@ ControlAnswer Device::change_halt(const Request& request, bool halt) {
   if (halt) {
     halted_ |= halt_bit(address);
     port_->stall(address);
+    links_.on_halt(address);
     return ControlAnswer::accept();
   }
   halted_ &= static_cast<std::uint16_t>(~halt_bit(address));
@@ -228,13 +235,9 @@ ControlAnswer Device::on_class(const Request& request) {
     return ControlAnswer::refuse();
   }
   if (is_hid(request.index)) {
-    const HidFunction function = hid_function(request.index);
     switch (request.number) {
       case hid::set_report:
-        if (request.to_host || request.value_high() != hid::output_report ||
-            request.length != function.report_size) {
-          break;
-        }
+        if (request.to_host || request.length != report_size(request)) break;
         return ControlAnswer::take(room_);
       case hid::get_report:
         // Of the protocol's stream nothing may be read twice or out of turn; a state may.
@@ -287,7 +290,7 @@ ControlAnswer Device::on_vendor(const Request& request) {
   if (request.recipient == Recipient::interface && has_interface(request) &&
       request.index == interface::bulk && request.number == protocol::usb::request_user_present &&
       request.value <= 1 && proper(request, false)) {
-    links_.on_bulk_user(request.value == 1);
+    links_.on_user(PipeKind::bulk, request.value == 1);
     return ControlAnswer::accept();
   }
   return ControlAnswer::refuse();
@@ -296,7 +299,11 @@ ControlAnswer Device::on_vendor(const Request& request) {
 bool Device::on_data(const Request& request, std::span<const std::uint8_t> data) {
   // SET_REPORT is the one request with data.
   if (request.index == interface::reports) {
-    links_.take_report(data);
+    if (request.value_high() == hid::feature_report) {
+      links_.on_user(PipeKind::reports, data[0] != 0);
+    } else {
+      links_.take_report(data);
+    }
     return true;
   }
   if (data.size() != hand_report_bytes) return false;

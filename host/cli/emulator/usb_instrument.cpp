@@ -32,10 +32,6 @@ void UsbInstrument::run_for(std::uint64_t duration_us) {
   device_.tick(time_us_());
 }
 
-bool UsbInstrument::at_rest() const {
-  return instrument_.board().resting() && output_.empty();
-}
-
 void UsbInstrument::pump() {
   // What does not fit the stack's ring waits in the board's buffer, and then in the core: as on
   // hardware.

@@ -27,8 +27,8 @@ class UsbInstrument final : private firmware::usb::Application {
   usbip::UsbFunction& function() { return port_; }
   /// Lets virtual time pass and hands the board's bytes to the USB stack as far as there is room.
   void run_for(std::uint64_t duration_us);
-  /// Nothing happens until the host says something.
-  bool at_rest() const;
+  /// Nothing happens until the host says something (or reads: what it has not read waits).
+  bool at_rest() const { return instrument_.board().resting(); }
 
  private:
   void on_link_bytes(std::span<const std::uint8_t> bytes) override;

@@ -106,7 +106,7 @@ TEST(UsbDescriptors, the_configuration_holds_four_interfaces_with_their_endpoint
 TEST(UsbDescriptors, each_hid_interface_hands_out_the_report_descriptor_it_announces) {
   UsbBench bench;
   for (const auto& [interface, report_size] :
-       std::map<std::uint16_t, std::uint8_t>{{1, 64}, {2, 8}}) {
+       std::map<std::uint16_t, std::uint8_t>{{1, std::uint8_t{64}}, {2, std::uint8_t{8}}}) {
     const Bytes hid = bench.control({0x81, 6, 0x2100, interface, 255}).bytes;
     ASSERT_EQ(hid.size(), 9u);
     const Bytes report = bench.control({0x81, 6, 0x2200, interface, 255}).bytes;

@@ -120,7 +120,8 @@ TEST_F(UsbLink, a_report_may_come_through_the_control_endpoint) {
   EXPECT_TRUE(bench.control({0x21, 9, 0x0200, 1, 64}, report).ok());
   EXPECT_THAT(frame_types(bench.application.received), ElementsAre(Hello::info.id));
   EXPECT_TRUE(bench.control({0x21, 9, 0x0200, 1, 63}, Bytes(63)).stalled()) << "not a report";
-  EXPECT_TRUE(bench.control({0x21, 9, 0x0300, 1, 64}, report).stalled()) << "a feature report";
+  EXPECT_TRUE(bench.control({0x21, 9, 0x0300, 1, 64}, report).stalled())
+      << "a feature report of that length";
   EXPECT_TRUE(bench.control({0xa1, 1, 0x0100, 1, 64}).stalled()) << "no stream over GET_REPORT";
 }
 
@@ -162,6 +163,9 @@ TEST_F(UsbLink, an_owner_that_has_fallen_silent_or_says_good_bye_makes_room) {
   EXPECT_TRUE(bench.control({0x41, 2, 0, 0, 0}).ok());
   write_all(2, hello_frame("third"));
   EXPECT_EQ(frame_types(bench.application.received).size(), 4u);
+  EXPECT_TRUE(bench.control({0x21, 9, 0x0300, 1, 1}, {0}).ok());
+  open_on_bulk("fourth");
+  EXPECT_EQ(frame_types(bench.application.received).size(), 5u);
 }
 
 TEST_F(UsbLink, an_unplugged_cable_leaves_no_stale_bytes) {
@@ -196,6 +200,20 @@ TEST_F(UsbLink, a_halt_that_is_cleared_leaves_both_directions_working) {
     write_all(1, counting_bytes(50));
     EXPECT_EQ(bench.application.received, counting_bytes(50));
   }
+}
+
+TEST_F(UsbLink, nothing_is_sent_on_a_halted_endpoint) {
+  bench.device.tick(1'000'000);
+  open_on_bulk("owner");
+  EXPECT_TRUE(bench.control({0x02, 3, 0, fu::reports_in, 0}).ok());
+  write_all(2, hello_frame("second"));  // would be answered with busy
+  EXPECT_TRUE(bench.read(2, 64).value().stalled());
+  EXPECT_TRUE(bench.control({0x02, 3, 0, fu::bulk_in, 0}).ok());
+  bench.device.write_link(counting_bytes(30));
+  bench.device.tick(1'001'000);
+  EXPECT_TRUE(bench.read(1, 64).value().stalled());
+  EXPECT_TRUE(bench.control({0x02, 1, 0, fu::bulk_in, 0}).ok());
+  EXPECT_EQ(read_all(1, 64), counting_bytes(30));
 }
 
 TEST_F(UsbLink, a_hand_controller_is_shown_what_changes_and_heard) {
