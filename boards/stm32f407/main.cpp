@@ -13,6 +13,8 @@
 #include "boards/stm32f407/registers/gpio.hpp"
 #include "boards/stm32f407/reset_cause.hpp"
 #include "boards/stm32f407/stm32_board.hpp"
+#include "boards/stm32f407/usb_application.hpp"
+#include "boards/stm32f407/usb_port.hpp"
 #include "firmware/core/controller.hpp"
 #include "firmware/source_hash.hpp"
 
@@ -23,6 +25,10 @@ Stm32Board board;
 FlashLog fault_log;
 alignas(firmware::Controller) std::byte controller_place[sizeof(firmware::Controller)];
 firmware::Controller* controller = nullptr;
+UsbPort usb_port;
+UsbApplication usb_application(board);
+alignas(firmware::usb::Device) std::byte usb_place[sizeof(firmware::usb::Device)];
+firmware::usb::Device* usb = nullptr;
 std::atomic<bool> tick_due{false};
 
 /// Priorities, 0 the most urgent: step edges first, then what must go dark at once, samples, link.
@@ -34,6 +40,7 @@ void start_interrupts() {
   set_priority(Irq::adc, 1);
   set_priority(Irq::dma2_stream0, 2);
   set_priority(Irq::dma1_stream6, 3);
+  set_priority(Irq::otg_fs, 3);
   set_systick_priority(3);
   for (const Irq irq : {Irq::tim2, Irq::tim5, Irq::exti4, Irq::exti9_5, Irq::adc, Irq::dma2_stream0,
                         Irq::dma1_stream6}) {
@@ -117,6 +124,9 @@ void dma2_stream0_handler() {
 void dma1_stream6_handler() {
   board.link().on_sent();
 }
+void otg_fs_handler() {
+  usb_port.on_interrupt();
+}
 void systick_handler() {
   tick_due.store(true, std::memory_order_release);
 }
@@ -128,15 +138,24 @@ int main() {
   const std::uint32_t boot_id = fault_log.begin();
   controller = new (controller_place)
       umov::firmware::Controller(board, fault_log, identity(cause, boot_id), axes);
+  usb = new (usb_place) umov::firmware::usb::Device(usb_port, usb_application, chip_serial());
+  usb_application.bind(*controller);
+  board.use_usb(*usb);
+  usb_port.set_up();
   controller->start();
+  usb->start();
   start_watchdog();
   start_interrupts();
   for (;;) {
-    board.link().read(
-        [](std::span<const std::uint8_t> bytes) { controller->on_link_bytes(bytes); });
+    usb_port.poll(*usb);
+    board.link().read([](std::span<const std::uint8_t> bytes) {
+      // One host at a time: whoever is on USB has the controller.
+      if (!board.on_usb()) controller->on_link_bytes(bytes);
+    });
     if (tick_due.exchange(false, std::memory_order_acquire)) {
       feed_watchdog();
       controller->tick();
+      usb->tick(board.time_us());
       if (!controller->motion().busy()) fault_log.service();
     }
     // An interrupt between the look at the flag and here only costs the rest of this millisecond's

@@ -21,6 +21,7 @@ void exti9_5_handler();
 void adc_handler();
 void dma2_stream0_handler();
 void dma1_stream6_handler();
+void otg_fs_handler();
 void systick_handler();
 
 /// A processor fault: nothing can be trusted any more. Reset; the outputs are inputs from then on
@@ -67,6 +68,7 @@ constexpr Table make_table() {
   table.vector[place(Irq::adc)] = {.handler = adc_handler};
   table.vector[place(Irq::dma2_stream0)] = {.handler = dma2_stream0_handler};
   table.vector[place(Irq::dma1_stream6)] = {.handler = dma1_stream6_handler};
+  table.vector[place(Irq::otg_fs)] = {.handler = otg_fs_handler};
   return table;
 }
 

@@ -47,6 +47,14 @@ std::uint64_t Stm32Board::time_us() const {
   return (std::uint64_t{clock_high_} << 32 | low) / ticks_per_us;
 }
 
+std::size_t Stm32Board::link_room() const {
+  return on_usb() ? usb_->link_room() : link_.room();
+}
+
+bool Stm32Board::write_link(std::span<const std::uint8_t> frame) {
+  return on_usb() ? usb_->write_link(frame) : link_.write(frame);
+}
+
 void Stm32Board::set_direction(int axis, int direction) {
   drive(axis_pins[static_cast<std::size_t>(axis)].direction, direction > 0);
 }

@@ -8,8 +8,8 @@
 namespace umov::mcu {
 namespace {
 
-constexpr std::uint32_t cr = 0x00, pllcfgr = 0x04, cfgr = 0x08, ahb1enr = 0x30, apb1enr = 0x40,
-                        apb2enr = 0x44, csr = 0x74;
+constexpr std::uint32_t cr = 0x00, pllcfgr = 0x04, cfgr = 0x08, ahb1enr = 0x30, ahb2enr = 0x34,
+                        apb1enr = 0x40, apb2enr = 0x44, csr = 0x74;
 constexpr std::uint32_t hse_on = 1u << 16, pll_on = 1u << 24;
 constexpr std::uint32_t remove_flags = 1u << 24, all_flags = 0xFE00'0000;
 
@@ -90,7 +90,10 @@ Time Rcc::apb2_timer_cycle() const {
 }
 
 bool Rcc::enabled(Bus bus, unsigned bit) const {
-  const std::uint32_t gates = bus == Bus::ahb1 ? ahb1enr_ : bus == Bus::apb1 ? apb1enr_ : apb2enr_;
+  const std::uint32_t gates = bus == Bus::ahb1   ? ahb1enr_
+                              : bus == Bus::ahb2 ? ahb2enr_
+                              : bus == Bus::apb1 ? apb1enr_
+                                                 : apb2enr_;
   return (gates >> bit & 1u) != 0;
 }
 
@@ -105,6 +108,8 @@ std::uint32_t Rcc::read(std::uint32_t offset) {
       return cfgr_ | (cfgr_ & 3u) << 2;
     case ahb1enr:
       return ahb1enr_;
+    case ahb2enr:
+      return ahb2enr_;
     case apb1enr:
       return apb1enr_;
     case apb2enr:
@@ -135,6 +140,9 @@ void Rcc::write(std::uint32_t offset, std::uint32_t value) {
     }
     case ahb1enr:
       ahb1enr_ = value;
+      return;
+    case ahb2enr:
+      ahb2enr_ = value;
       return;
     case apb1enr:
       apb1enr_ = value;

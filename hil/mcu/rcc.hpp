@@ -26,7 +26,7 @@ class Rcc : public Peripheral {
   Time apb2_timer_cycle() const;
 
   /// Buses with clock gates, as the enable registers group them.
-  enum class Bus : std::uint8_t { ahb1, apb1, apb2 };
+  enum class Bus : std::uint8_t { ahb1, ahb2, apb1, apb2 };
   bool enabled(Bus bus, unsigned bit) const;
   std::uint32_t reset_flags() const { return csr_; }
 
@@ -36,7 +36,7 @@ class Rcc : public Peripheral {
 
   std::uint32_t crystal_hz_;
   std::uint32_t cr_ = 0x83, pllcfgr_ = 0x2400'3010, cfgr_ = 0;
-  std::uint32_t ahb1enr_ = 0x0010'0000, apb1enr_ = 0, apb2enr_ = 0;
+  std::uint32_t ahb1enr_ = 0x0010'0000, ahb2enr_ = 0, apb1enr_ = 0, apb2enr_ = 0;
   std::uint32_t csr_;
 };
 

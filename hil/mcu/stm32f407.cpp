@@ -11,6 +11,7 @@
 #include "hil/mcu/gpio.hpp"
 #include "hil/mcu/iwdg.hpp"
 #include "hil/mcu/nvic.hpp"
+#include "hil/mcu/otg_fs.hpp"
 #include "hil/mcu/systick.hpp"
 #include "hil/mcu/timer.hpp"
 #include "hil/mcu/usart.hpp"
@@ -25,7 +26,7 @@ constexpr std::size_t sram_size = 128 * 1024, ccm_size = 64 * 1024, system_size 
 
 /// Interrupt requests (RM0090 table 61).
 constexpr int irq_exti4 = 10, irq_adc = 18, irq_exti9_5 = 23, irq_tim2 = 28, irq_usart2 = 38,
-              irq_tim5 = 50, irq_tim8_cc = 46;
+              irq_tim5 = 50, irq_tim8_cc = 46, irq_otg_fs = 67;
 constexpr std::array<int, 8> irq_dma1 = {11, 12, 13, 14, 15, 16, 17, 47};
 constexpr std::array<int, 8> irq_dma2 = {56, 57, 58, 59, 60, 68, 69, 70};
 
@@ -115,7 +116,8 @@ struct Stm32f407::Core final : Bus {
                  [this](std::uint8_t byte) {
                    chip.surroundings_->on_serial(byte, scheduler.now());
                  }}),
-        iwdg(scheduler, [this] { watchdog_expired = true; }) {
+        iwdg(scheduler, [this] { watchdog_expired = true; }),
+        otg(line(irq_otg_fs)) {
     scheduler.run_until(now);
     cpu.skip_to(now);
     for (int p = 0; p < 5; ++p) {
@@ -137,6 +139,7 @@ struct Stm32f407::Core final : Bus {
     cpu.map_memory(ccm_base, chip.ccm_, true);
     cpu.map_memory(system_base, chip.system_, false);
     cpu.map_registers(0x4000'0000, 0x8'0000);
+    cpu.map_registers(0x5000'0000, 0x4'0000);
     cpu.map_registers(0xE000'E000, 0x1000);
     cpu.set_cycle(rcc.core_cycle());
   }
@@ -221,7 +224,8 @@ struct Stm32f407::Core final : Bus {
              {0x4002'3800, 0x400, &rcc, "RCC", ahb1, -1},
              {0x4002'3C00, 0x400, &flash, "the flash interface", ahb1, -1},
              {0x4002'6000, 0x400, &dma1, "DMA1", ahb1, 21},
-             {0x4002'6400, 0x400, &dma2, "DMA2", ahb1, 22}};
+             {0x4002'6400, 0x400, &dma2, "DMA2", ahb1, 22},
+             {0x5000'0000, 0x4'0000, &otg, "OTG_FS", ahb2, 7}};
     for (int p = 0; p < 5; ++p) {
       table.push_back(
           {0x4002'0000 + 0x400 * static_cast<std::uint32_t>(p), 0x400, &port(p), "GPIO", ahb1, p});
@@ -268,6 +272,7 @@ struct Stm32f407::Core final : Bus {
   Adc adc;
   Usart usart2;
   Iwdg iwdg;
+  OtgFs otg;
   std::vector<Mapped> table;
   bool watchdog_expired = false;
 };
@@ -358,6 +363,12 @@ void Stm32f407::serial(std::span<const std::uint8_t> bytes) {
   if (!core_) return;
   core_->scheduler.run_until(core_->cpu.now());
   core_->usart2.deliver(bytes);
+}
+
+OtgFs* Stm32f407::usb() {
+  if (!core_) return nullptr;
+  core_->scheduler.run_until(core_->cpu.now());
+  return &core_->otg;
 }
 
 std::uint64_t Stm32f407::instructions() const {

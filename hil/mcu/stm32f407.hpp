@@ -15,6 +15,8 @@
 
 namespace umov::mcu {
 
+class OtgFs;
+
 /// What the pins end in. All calls come in the order of virtual time.
 class Surroundings {
  public:
@@ -57,6 +59,10 @@ class Stm32f407 {
   bool pin_level(int port, int pin) const;
   /// Bytes to USART2.
   void serial(std::span<const std::uint8_t> bytes);
+
+  /// The USB connector, for transactions at this moment; null before the first reset. Not to be
+  /// kept: a reset makes another one.
+  OtgFs* usb();
 
   /// Resets since the beginning by watchdog and by the program.
   unsigned watchdog_resets() const { return watchdog_resets_; }

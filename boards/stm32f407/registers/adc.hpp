@@ -25,12 +25,12 @@ inline AdcCommonRegisters& adc_common() {
 }
 
 namespace adc_bits {
-inline constexpr std::uint32_t OVR = bit(5);                   // SR
-inline constexpr std::uint32_t OVRIE = bit(26);                // CR1
-inline constexpr std::uint32_t ADON = bit(0);                  // CR2
-inline constexpr std::uint32_t EXTSEL_TIM8_TRGO = 14u << 24;   // CR2
-inline constexpr std::uint32_t EXTEN_RISING = 1u << 28;        // CR2
-inline constexpr std::uint32_t MULTI_REGULAR_SIMULTANEOUS = 6;  // CCR
+inline constexpr std::uint32_t OVR = bit(5);                          // SR
+inline constexpr std::uint32_t OVRIE = bit(26);                       // CR1
+inline constexpr std::uint32_t ADON = bit(0);                         // CR2
+inline constexpr std::uint32_t EXTSEL_TIM8_TRGO = 14u << 24;          // CR2
+inline constexpr std::uint32_t EXTEN_RISING = 1u << 28;               // CR2
+inline constexpr std::uint32_t MULTI_REGULAR_SIMULTANEOUS = 6;        // CCR
 inline constexpr std::uint32_t DDS = bit(13), DMA_MODE_2 = 2u << 14;  // CCR
 inline constexpr std::uint32_t ADCPRE_DIV4 = 1u << 16;                // CCR: 84 MHz / 4 = 21 MHz
 }  // namespace adc_bits

@@ -33,6 +33,7 @@ enum class Irq : unsigned {
   tim2 = 28,
   tim5 = 50,
   dma2_stream0 = 56,
+  otg_fs = 67,
 };
 
 /// 0 (most urgent) to 15: the four bits the chip has.
@@ -53,9 +54,7 @@ inline void set_systick_priority(unsigned priority) {
 /// Keeps all interrupts out as long as it lives; may be nested.
 class CriticalSection {
  public:
-  CriticalSection() {
-    asm volatile("mrs %0, primask\n\tcpsid i" : "=r"(primask_) : : "memory");
-  }
+  CriticalSection() { asm volatile("mrs %0, primask\n\tcpsid i" : "=r"(primask_) : : "memory"); }
   ~CriticalSection() { asm volatile("msr primask, %0" : : "r"(primask_) : "memory"); }
   CriticalSection(const CriticalSection&) = delete;
   CriticalSection& operator=(const CriticalSection&) = delete;

@@ -16,11 +16,11 @@ inline FlashRegisters& flash_interface() {
 
 namespace flash_bits {
 inline constexpr std::uint32_t LATENCY_5 = 5, PRFTEN = bit(8), ICEN = bit(9), DCEN = bit(10),
-                               DCRST = bit(12);                                    // ACR
-inline constexpr std::uint32_t KEY1 = 0x4567'0123, KEY2 = 0xCDEF'89AB;             // KEYR
-inline constexpr std::uint32_t BSY = bit(16), ERRORS = 0xF2;                       // SR
+                               DCRST = bit(12);                         // ACR
+inline constexpr std::uint32_t KEY1 = 0x4567'0123, KEY2 = 0xCDEF'89AB;  // KEYR
+inline constexpr std::uint32_t BSY = bit(16), ERRORS = 0xF2;            // SR
 inline constexpr std::uint32_t PG = bit(0), SER = bit(1), PSIZE_32 = 2u << 8, STRT = bit(16),
-                               LOCK = bit(31);                                     // CR
+                               LOCK = bit(31);  // CR
 constexpr std::uint32_t SNB(unsigned sector) {
   return sector << 3;
 }

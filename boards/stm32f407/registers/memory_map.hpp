@@ -26,6 +26,7 @@ inline constexpr std::uintptr_t rcc = 0x4002'3800;
 inline constexpr std::uintptr_t flash_interface = 0x4002'3C00;
 inline constexpr std::uintptr_t dma1 = 0x4002'6000;
 inline constexpr std::uintptr_t dma2 = 0x4002'6400;
+inline constexpr std::uintptr_t otg_fs = 0x5000'0000;
 
 /// 96-bit unique device identifier (RM0090 39.1).
 inline constexpr std::uintptr_t unique_id = 0x1FFF'7A10;

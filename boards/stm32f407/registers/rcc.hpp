@@ -30,11 +30,14 @@ inline constexpr std::uint32_t SW_PLL = 2, SWS_MASK = 3u << 2, SWS_PLL = 2u << 2
 inline constexpr std::uint32_t PPRE1_DIV4 = 5u << 10, PPRE2_DIV2 = 4u << 13;
 // AHB1ENR
 inline constexpr std::uint32_t GPIO_ALL = 0x1F, DMA1EN = bit(21), DMA2EN = bit(22);
+// AHB2ENR
+inline constexpr std::uint32_t OTGFSEN = bit(7);
 // APB1ENR
 inline constexpr std::uint32_t TIM2EN = bit(0), TIM5EN = bit(3), USART2EN = bit(17),
                                PWREN = bit(28);
 // APB2ENR
-inline constexpr std::uint32_t TIM8EN = bit(1), ADC1EN = bit(8), ADC2EN = bit(9), SYSCFGEN = bit(14);
+inline constexpr std::uint32_t TIM8EN = bit(1), ADC1EN = bit(8), ADC2EN = bit(9),
+                               SYSCFGEN = bit(14);
 // CSR
 inline constexpr std::uint32_t RMVF = bit(24), BORRSTF = bit(25), PINRSTF = bit(26),
                                PORRSTF = bit(27), SFTRSTF = bit(28), IWDGRSTF = bit(29);

@@ -2,8 +2,9 @@
 """Prints what the image takes and fails when it is over its budget: flash, static RAM, and the
 deepest stack of main and of one interrupt of each priority on top of another.
 
-The stack comes from the compiler's call graph (-fcallgraph-info=su). A call through a pointer may
-reach any function that nobody calls by name; recursion and frames of unbounded size are refused.
+The stack comes from the compiler's call graph (-fcallgraph-info=su). What a call through a pointer
+may reach is declared in POINTERS; one that is not declared, recursion and frames of unbounded size are
+refused.
 """
 import argparse
 import pathlib
@@ -23,7 +24,20 @@ HANDLERS = [
     ["tim2_handler", "tim5_handler"],
     ["exti4_handler", "exti9_5_handler", "adc_handler"],
     ["dma2_stream0_handler"],
-    ["dma1_stream6_handler", "systick_handler"],
+    ["dma1_stream6_handler", "otg_fs_handler", "systick_handler"],
+]
+PORT = r"UsbPort::(connect|disconnect|set_address|open_endpoint|close_endpoint|send|receive|stall|clear_stall)\("
+APPLICATION = r"UsbApplication::"
+# Who calls through a pointer or a virtual function, and what: the interfaces of firmware/core and what
+# this board makes of them. The first that fits the caller counts.
+POINTERS = [
+    (r"usb::LinkSwitch::(write|start|stop|on_sent|on_halt_cleared)\(|usb::LinkPipe::", PORT),
+    (r"usb::(Device|LinkSwitch)::", f"{PORT}|{APPLICATION}"),
+    (r"usb::ControlPipe::", f"{PORT}|non-virtual thunk to .*usb::Device::on_(request|data|complete)"),
+    (r"stm32f407::UsbPort::", r"^umov::firmware::usb::Device::on_(reset|suspend|resume|setup|sent|received)\("),
+    (r"^umov::firmware::|^(void|bool) umov::firmware::", r"stm32f407::(Stm32Board|FlashLog)::"),
+    (r"^main$", PORT),
+    (r"^reset_handler$", r"_GLOBAL__sub_I|static_initialization"),
 ]
 FORBIDDEN = ["malloc", "calloc", "realloc", "free", "_Znwj", "_Znaj", "_ZdlPv", "_ZdlPvj", "_sbrk",
              "__cxa_throw", "__cxa_allocate_exception", "_Unwind_Resume", "__cxa_guard_acquire",
@@ -39,6 +53,13 @@ def symbols(nm, elf):
     listing = subprocess.run([nm, elf], check=True, capture_output=True, text=True).stdout
     return {parts[2]: int(parts[0], 16) for parts in (line.split() for line in listing.splitlines())
             if len(parts) == 3}
+
+
+def demangled(nm, names):
+    """Readable names; c++filt lies beside nm."""
+    filter_program = str(nm)[:-2] + "c++filt"
+    text = subprocess.run([filter_program], input="\n".join(names), check=True, capture_output=True, text=True).stdout
+    return dict(zip(names, text.splitlines()))
 
 
 def call_graph(folder, linked):
@@ -74,15 +95,20 @@ def main():
     for name in entries - {"fault_handler"}:
         if name not in frames:
             fail(f"{name} is not in the call graph")
-    called = set().union(*(targets for source, targets in calls.items() if source in frames))
-    by_pointer = set(frames) - called - entries
+    plain = demangled(arguments.nm, sorted(frames))
     deepest = {}
+
+    def reached_from(caller):
+        for pattern, targets in POINTERS:
+            if re.search(pattern, plain[caller]):
+                return [name for name in frames if re.search(targets, plain[name])]
+        fail(f"{plain[caller]} calls through a pointer: declare what that may reach in POINTERS")
 
     def depth(name, path):
         if name == "__indirect_call":
-            return max((depth(target, path) for target in by_pointer if target not in path), default=0)
+            return max((depth(target, path) for target in reached_from(path[-1])), default=0)
         if name in path:
-            fail("recursion: " + " -> ".join(path + [name]))
+            fail("recursion: " + " -> ".join(plain[n] for n in path + [name]))
         if name not in frames:
             return LIBRARY_FRAME
         if name not in deepest:
@@ -90,7 +116,7 @@ def main():
             deepest[name] = frames[name] + below
         return deepest[name]
 
-    parts = [depth("main", ["reset_handler"]) + frames["reset_handler"]]
+    parts = [depth("reset_handler", [])]
     parts += [EXCEPTION_FRAME + max(depth(handler, []) for handler in group) for group in HANDLERS]
     stack = sum(parts)
     stack_size = linked["image_stack_top"] - linked["image_stack_begin"]

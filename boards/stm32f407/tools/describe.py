@@ -33,7 +33,8 @@ MEANING = {
     "signal": ("analog", "photodiode amplifier, 0 to 3.3 V, rests at 1.65 V"),
     "monitor": ("analog", "monitor amplifier, 0 to 3.3 V, rests at 1.65 V"),
     "interlock": ("in, pulled down", "high = closed; a broken wire is an open interlock"),
-    "usb_dm": ("USB", "OTG FS"), "usb_dp": ("USB", "OTG FS"), "usb_vbus": ("in", "OTG FS"),
+    "usb_dm": ("USB", "D-, connector CN5"), "usb_dp": ("USB", "D+, connector CN5"),
+    "usb_vbus": ("in", "not looked at; wired to CN5"),
     "swdio": ("debug", "ST-LINK"), "swclk": ("debug", "ST-LINK"),
     "step": ("out", "step, rising edge, {pulse} µs"), "direction": ("out", "high = positive sense"),
     "home": ("in, pulled up", "home switch, normally closed to ground"),
@@ -54,6 +55,7 @@ def pins_of(board):
     found.append(("safety", "interlock", board["safety"]["interlock"]))
     for axis in board["axis"]:
         found += [(axis["name"], role, axis[role]) for role in AXIS_PINS]
+    found += [("usb", role, pin) for role, pin in board["usb"].items()]
     return found + [("reserved", role, pin) for role, pin in board["reserved"].items()]
 
 
@@ -121,6 +123,8 @@ def header(board):
     for role in ("signal", "monitor"):
         out.append(f"inline constexpr AnalogInput {role}_input{{{pin_text(optics[role])}, "
                    f"{ADC_CHANNEL[optics[role]]}}};")
+    for role in ("usb_dm", "usb_dp"):
+        out.append(f"inline constexpr Pin {role}_pin{pin_text(board['usb'][role])};")
     out += [f"inline constexpr Pin interlock_pin{pin_text(board['safety']['interlock'])};", "",
             "inline constexpr std::array<AxisPins, 6> axis_pins = {{"]
     for axis in board["axis"]:

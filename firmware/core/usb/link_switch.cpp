@@ -84,7 +84,7 @@ void LinkSwitch::on_user(PipeKind kind, bool present) {
 void LinkSwitch::take(LinkPipe& pipe, std::span<const std::uint8_t> bytes) {
   // The owner's bytes go on as they are, looked at on the way; of another pipe a frame is taken at
   // a time, until one of them makes it the owner.
-  const bool owned = owner_ == &pipe;
+  bool owned = owner_ == &pipe;
   if (owned) application_->on_link_bytes(bytes);
   FrameView frame;
   while (pipe.reader().next(bytes, frame)) {
@@ -94,7 +94,8 @@ void LinkSwitch::take(LinkPipe& pipe, std::span<const std::uint8_t> bytes) {
     const std::size_t size = protocol::FrameWriter::write_raw(
         frame.type, frame.sequence, frame.payload, std::span<std::uint8_t>(again).subspan(1));
     application_->on_link_bytes(std::span<const std::uint8_t>(again).first(size + 1));
-    return take(pipe, bytes);
+    owned = owner_ == &pipe;
+    if (owned) application_->on_link_bytes(bytes);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "boards/stm32f407/board_description.hpp"
+#include "hil/mcu/otg_fs.hpp"
 
 namespace umov::mcu {
 namespace {
@@ -35,6 +36,52 @@ enum class Role : std::uint8_t { none, step, laser, shutter, gain };
 struct Use {
   Role role = Role::none;
   int index = 0;
+};
+
+/// The transactions of a cable, carried to whatever controller the chip has after its last reset.
+class UsbConnector final : public usbip::UsbFunction {
+ public:
+  explicit UsbConnector(Stm32f407& chip) : chip_(&chip) {}
+
+  void bus_reset() override {
+    if (OtgFs* usb = chip_->usb()) usb->bus_reset();
+  }
+  usbip::Handshake setup(const std::array<std::uint8_t, 8>& packet) override {
+    OtgFs* usb = chip_->usb();
+    return usb == nullptr ? usbip::Handshake::none : handshake(usb->setup(packet));
+  }
+  usbip::Handshake out(std::uint8_t endpoint, std::span<const std::uint8_t> bytes) override {
+    OtgFs* usb = chip_->usb();
+    return usb == nullptr ? usbip::Handshake::none : handshake(usb->out(endpoint, bytes));
+  }
+  usbip::Handshake in(std::uint8_t endpoint, usbip::Packet& packet) override {
+    OtgFs* usb = chip_->usb();
+    if (usb == nullptr) return usbip::Handshake::none;
+    const usbip::Handshake answer = handshake(usb->in(endpoint, bytes_));
+    if (answer == usbip::Handshake::ack) {
+      std::copy(bytes_.begin(), bytes_.end(), packet.bytes.begin());
+      packet.size = bytes_.size();
+    }
+    return answer;
+  }
+
+ private:
+  static usbip::Handshake handshake(UsbAnswer answer) {
+    switch (answer) {
+      case UsbAnswer::ack:
+        return usbip::Handshake::ack;
+      case UsbAnswer::nak:
+        return usbip::Handshake::nak;
+      case UsbAnswer::stall:
+        return usbip::Handshake::stall;
+      case UsbAnswer::none:
+        break;
+    }
+    return usbip::Handshake::none;
+  }
+
+  Stm32f407* chip_;
+  std::vector<std::uint8_t> bytes_;
 };
 
 }  // namespace
@@ -143,6 +190,7 @@ struct McuBoard::Impl final : Surroundings {
   McuBoardOptions options;
   std::array<std::array<Use, 16>, 5> uses{};
   Stm32f407 chip;
+  UsbConnector usb{chip};
   std::vector<std::uint8_t> output;
   bool until_output = false;
   bool sampled = false;
@@ -193,6 +241,10 @@ void McuBoard::signal_stall(int axis) {
 
 void McuBoard::reset(ResetSource source) {
   impl_->chip.reset(source);
+}
+
+usbip::UsbFunction& McuBoard::usb() {
+  return impl_->usb;
 }
 
 Stm32f407& McuBoard::chip() {

@@ -11,6 +11,7 @@
 
 #include "hil/mcu/board/bench.hpp"
 #include "hil/mcu/stm32f407.hpp"
+#include "hil/usbip/usb_function.hpp"
 
 namespace umov::mcu {
 
@@ -46,6 +47,9 @@ class McuBoard {
   void signal_stall(int axis);
   /// The supply fails and comes back, or the reset pin is pulled.
   void reset(ResetSource source);
+
+  /// The USB connector, for a virtual cable.
+  usbip::UsbFunction& usb();
 
   Stm32f407& chip();
   const Stm32f407& chip() const;

@@ -58,6 +58,7 @@ TEST(MemoryMap, AgreesWithAnIndependentOne) {
       {mm::flash_interface, "Flash Int"},
       {mm::dma1, "DMA1"},
       {mm::dma2, "DMA2"},
+      {mm::otg_fs, "USB OTG FS"},
       {mm::systick, "v7m_systick"},
   };
   for (const auto& [address, name] : ours) {
