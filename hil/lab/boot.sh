@@ -71,6 +71,7 @@ rm -f "$results/exit-code"
   printf 'cd %q\n' "$PWD"
   printf 'export UMOV_LAB=1 UMOV_LAB_RESULTS=/run/results\n'
   [[ -n ${UMOV_BINARY:-} ]] && printf 'export UMOV_BINARY=%q\n' "$UMOV_BINARY"
+  [[ -n ${UMOV_BOARD_IMAGE:-} ]] && printf 'export UMOV_BOARD_IMAGE=%q\n' "$UMOV_BOARD_IMAGE"
   printf '%q ' "$@"
   printf '\n'
 } > "$results/command.sh"

@@ -90,6 +90,13 @@ void announce(const std::string& line, const Common& common) {
   std::fflush(stdout);
 }
 
+#ifndef UMOV_EMULATED_BOARD
+[[noreturn]] void refuse_image() {
+  throw Error("this program was built without the emulated controller board",
+              "install libunicorn-dev and build again, or leave --image out");
+}
+#endif
+
 void serve_usb(const emulator::BenchOptions& bench, const Options& options, const Common& common) {
   emulator::UsbOptions serve_options;
   serve_options.into_kernel = options.plug_in;
@@ -112,7 +119,13 @@ void serve_usb(const emulator::BenchOptions& bench, const Options& options, cons
   serve_options.on_event = [&](const std::string& event) {
     if (!common.quiet) fmt::print(stderr, "{}\n", event);
   };
-  emulator::serve_usb(bench, serve_options, [] { return !interrupt_flag().load(); });
+  const auto keep_going = [] { return !interrupt_flag().load(); };
+  if (options.image.empty()) return emulator::serve_usb(bench, serve_options, keep_going);
+#ifdef UMOV_EMULATED_BOARD
+  emulator::serve_image_usb(bench, options.image, serve_options, keep_going);
+#else
+  refuse_image();
+#endif
 }
 
 void run(const Options& options, const Common& common) {
@@ -147,8 +160,7 @@ void run(const Options& options, const Common& common) {
 #ifdef UMOV_EMULATED_BOARD
   emulator::serve_image(bench, options.image, serve_options, keep_going);
 #else
-  throw Error("this program was built without the emulated controller board",
-              "install libunicorn-dev and build again, or leave --image out");
+  refuse_image();
 #endif
 }
 

@@ -41,10 +41,13 @@ struct Use {
 /// The transactions of a cable, carried to whatever controller the chip has after its last reset.
 class UsbConnector final : public usbip::UsbFunction {
  public:
-  explicit UsbConnector(Stm32f407& chip) : chip_(&chip) {}
+  UsbConnector(Stm32f407& chip, std::function<void(Time)> let_pass)
+      : chip_(&chip), let_pass_(std::move(let_pass)) {}
 
   void bus_reset() override {
     if (OtgFs* usb = chip_->usb()) usb->bus_reset();
+    // Hosts give a device this long to recover (USB 2.0 7.1.7.5); a cable of software may not.
+    let_pass_(10'000 * time_per_us);
   }
   usbip::Handshake setup(const std::array<std::uint8_t, 8>& packet) override {
     OtgFs* usb = chip_->usb();
@@ -81,6 +84,7 @@ class UsbConnector final : public usbip::UsbFunction {
   }
 
   Stm32f407* chip_;
+  std::function<void(Time)> let_pass_;
   std::vector<std::uint8_t> bytes_;
 };
 
@@ -190,7 +194,7 @@ struct McuBoard::Impl final : Surroundings {
   McuBoardOptions options;
   std::array<std::array<Use, 16>, 5> uses{};
   Stm32f407 chip;
-  UsbConnector usb{chip};
+  UsbConnector usb{chip, [this](Time duration) { run_until(chip.now() + duration); }};
   std::vector<std::uint8_t> output;
   bool until_output = false;
   bool sampled = false;

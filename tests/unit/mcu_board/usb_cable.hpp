@@ -38,7 +38,6 @@ class UsbCable {
   /// The device is plugged in: reset on the bus, address, configuration.
   bool plug_in() {
     board_->usb().bus_reset();
-    board_->run_for(10'000);  // reset recovery, USB 2.0 7.1.7.5
     return control(0x00, 5, 7, 0, 0).ok() && control(0x00, 9, 1, 0, 0).ok();
   }
   Outcome control(std::uint8_t type, std::uint8_t request, std::uint16_t value, std::uint16_t index,

@@ -1,4 +1,4 @@
-// The emulated board behind a TCP port.
+// The emulated board behind a TCP port, or at a virtual USB cable.
 #pragma once
 
 #include <functional>
@@ -13,5 +13,9 @@ namespace umov::emulator {
 /// program gives a silent host the same seconds as on a desk. `options.real_time` has no effect.
 void serve_image(const BenchOptions& bench, const std::string& image, const ServeOptions& options,
                  const std::function<bool()>& keep_going);
+
+/// The same as a USB device on a virtual cable, like serve_usb().
+void serve_image_usb(const BenchOptions& bench, const std::string& image, const UsbOptions& options,
+                     const std::function<bool()>& keep_going);
 
 }  // namespace umov::emulator
