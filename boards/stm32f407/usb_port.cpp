@@ -108,8 +108,10 @@ void UsbPort::begin_anew() {
   prepare_setup();
 }
 
+/// OUT 0 cannot be disabled: one that waits for a packet that a new request has made obsolete goes
+/// on as it is, and SETUP reaches it all the same.
 void UsbPort::prepare_setup() {
-  otg_out(0).TSIZ = STUPCNT_3 | PKTCNT(1) | 24;
+  if ((otg_out(0).CTL & EPENA) == 0) otg_out(0).TSIZ = STUPCNT_3 | PKTCNT(1) | 64;
 }
 
 void UsbPort::poll(firmware::usb::PortEvents& events) {
@@ -254,7 +256,7 @@ void UsbPort::receive(EndpointAddress address, std::span<std::uint8_t> buffer) {
   OtgEndpointRegisters& out = otg_out(n);
   receiving_[n] = {buffer, 0, true};
   if (n == 0) {
-    out.TSIZ = STUPCNT_3 | PKTCNT(1) | 64;
+    prepare_setup();
   } else {
     const std::uint32_t packet = out.CTL & MPSIZ_MASK;
     const auto size = static_cast<std::uint32_t>(buffer.size());

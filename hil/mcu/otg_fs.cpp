@@ -226,6 +226,7 @@ void OtgFs::write_control(Endpoint& endpoint, unsigned number, bool in, std::uin
   if ((value & set_nak) != 0) endpoint.nak = true;
   if ((value & clear_nak) != 0) endpoint.nak = false;
   if ((value & disable) != 0) {
+    if (!in && number == 0) refuse_setting(name, "DOEPCTL0.EPDIS, which does not exist", value);
     if (!in && (gintsts_ & global_out_nak) == 0)
       refuse_setting(name, "DOEPCTL.EPDIS without global OUT NAK", value);
     endpoint.enabled = false;

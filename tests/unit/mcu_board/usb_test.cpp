@@ -67,6 +67,38 @@ TEST_F(UsbOfTheBoard, RefusesWhatItDoesNotKnowAndGoesOn) {
   EXPECT_TRUE(cable_.control(0x80, 0, 0, 0, 2).ok()) << "GET_STATUS";
 }
 
+TEST_F(UsbOfTheBoard, AnotherRequestOrAResetEndsAControlTransferAnywhere) {
+  const std::array<std::uint8_t, 8> ask = {0x80, 6, 0, 2, 0, 0, 255, 0};  // to the host
+  const std::array<std::uint8_t, 8> tell = {0x21, 9, 0, 2, 1, 0, 64, 0};  // from the host
+  auto& usb = board_.usb();
+  for (int packets = 0; packets < 4; ++packets) {
+    for (const bool reset : {false, true}) {
+      ASSERT_EQ(usb.setup(ask), usbip::Handshake::ack);
+      usbip::Packet packet;
+      for (int i = 0; i < packets; ++i) {
+        board_.run_for(200);
+        usb.in(0, packet);
+      }
+      if (packets == 2) board_.run_for(200);  // the next packet waits to be fetched
+      if (reset) {
+        ASSERT_TRUE(cable_.plug_in());
+      }
+      ASSERT_TRUE(cable_.control(0x80, 6, 0x0100, 0, 18).ok()) << packets << reset;
+
+      ASSERT_EQ(usb.setup(tell), usbip::Handshake::ack);
+      if (packets > 0) board_.run_for(200);
+      if (packets > 1) usb.out(0, packet.bytes);
+      if (packets > 2) board_.run_for(200);
+      if (reset) {
+        ASSERT_TRUE(cable_.plug_in());
+      }
+      ASSERT_TRUE(cable_.control(0x80, 6, 0x0100, 0, 18).ok()) << packets << reset;
+    }
+  }
+  instrument::Session session(bulk());
+  EXPECT_EQ(session.request(protocol::GetStatus{}).fault, 0);
+}
+
 TEST_F(UsbOfTheBoard, AScanOverBulkGivesTheRecordsOfTheNativeBoard) {
   test::NoisyWorld world;
   boards::native::NativeBoard native_board(world);
