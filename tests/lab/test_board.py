@@ -12,7 +12,7 @@ PLAN = """
 sample = "red gloss"
 wavelengths_nm = [532]
 theta_i_deg = [0.5]
-theta_r_deg = { from = 0, to = 1, step = 0.5 }
+theta_r_deg = { from = -0.5, to = 0.5, step = 0.5 }
 states = [["P", "P"]]
 dwell_ms = 10
 settle_ms = 2

@@ -25,7 +25,7 @@ real chip takes more. The bounds of the project are in the same unit: lock-in on
 {figures}
 
 The shares of motion are those during the fastest part of a move. Edges: on their tick of 0.25 µs, within one, for one axis
-at 200,000 steps/s and three at 100,000; with six axes at full speed some edges come up to 4 µs late, because one interrupt
+at 200,000 steps/s and three at 100,000; with six axes at full speed some edges come up to 2 µs late, because one interrupt
 serves six axes in turn. None is lost (`test_mcu_board --gtest_filter='StepEdges.*'`).
 
 {size}
