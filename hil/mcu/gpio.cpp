@@ -20,7 +20,9 @@ Gpio::Gpio(int port, Exti& exti, PinChange on_change)
                          : 0),
       pupdr_(port == 0   ? 0x6400'0000
              : port == 1 ? 0x0000'0100
-                         : 0) {}
+                         : 0) {
+  settle(0xFFFF);
+}
 
 bool Gpio::uses_alternate(int pin, unsigned alternate) const {
   return mode(pin) == alternate_mode &&
@@ -46,31 +48,35 @@ bool Gpio::level(int pin) const {
   return (pupdr_ >> 2 * pin & 3u) == 1;
 }
 
-void Gpio::settle() {
+void Gpio::settle(std::uint32_t pins) {
   for (int pin = 0; pin < 16; ++pin) {
-    const std::uint32_t bit = 1u << pin;
-    const bool now = level(pin), before = (shown_ & bit) != 0;
-    const bool out = is_output(pin), was_out = (outputs_ & bit) != 0;
-    if (now == before && out == was_out) continue;
-    shown_ = now ? shown_ | bit : shown_ & ~bit;
-    outputs_ = out ? outputs_ | bit : outputs_ & ~bit;
-    if (now != before) exti_->on_edge(port_, pin, now);
-    if (out || was_out) on_change_(port_, pin, out && now);
+    if ((pins >> pin & 1u) != 0) settle_pin(pin);
   }
+}
+
+void Gpio::settle_pin(int pin) {
+  const std::uint32_t bit = 1u << pin;
+  const bool now = level(pin), before = (shown_ & bit) != 0;
+  const bool out = is_output(pin), was_out = (outputs_ & bit) != 0;
+  if (now == before && out == was_out) return;
+  shown_ = now ? shown_ | bit : shown_ & ~bit;
+  outputs_ = out ? outputs_ | bit : outputs_ & ~bit;
+  if (now != before) exti_->on_edge(port_, pin, now);
+  if (out || was_out) on_change_(port_, pin, out && now);
 }
 
 void Gpio::drive(int pin, std::optional<bool> level) {
   auto& driven = driven_[static_cast<std::size_t>(pin)];
   if (driven == level) return;
   driven = level;
-  settle();
+  settle_pin(pin);
 }
 
 void Gpio::set_alternate(int pin, unsigned alternate, bool level) {
   auto& function = functions_[static_cast<std::size_t>(pin)][alternate];
   if (function == level) return;
   function = level;
-  if (uses_alternate(pin, alternate)) settle();
+  if (uses_alternate(pin, alternate)) settle_pin(pin);
 }
 
 std::uint32_t Gpio::read(std::uint32_t offset) {
@@ -83,11 +89,8 @@ std::uint32_t Gpio::read(std::uint32_t offset) {
       return ospeedr_;
     case pupdr:
       return pupdr_;
-    case idr: {
-      std::uint32_t levels = 0;
-      for (int pin = 0; pin < 16; ++pin) levels |= (level(pin) ? 1u : 0u) << pin;
-      return levels;
-    }
+    case idr:
+      return shown_;
     case odr:
       return odr_;
     case bsrr:
@@ -121,7 +124,7 @@ void Gpio::write(std::uint32_t offset, std::uint32_t value) {
       break;
     case bsrr:
       odr_ = (odr_ & ~(value >> 16)) | (value & 0xFFFF);  // set wins over reset
-      break;
+      return settle(value | value >> 16);
     case afrl:
       afr_[0] = value;
       break;
@@ -131,7 +134,7 @@ void Gpio::write(std::uint32_t offset, std::uint32_t value) {
     default:
       refuse_register("GPIO", offset);
   }
-  settle();
+  settle(0xFFFF);
 }
 
 Exti::Exti(std::function<void(std::uint32_t)> lines) : lines_(std::move(lines)) {}

@@ -34,7 +34,9 @@ class Gpio : public Peripheral {
 
  private:
   unsigned mode(int pin) const { return moder_ >> 2 * pin & 3u; }
-  void settle();
+  /// Works out the levels of these pins and tells what has changed.
+  void settle(std::uint32_t pins);
+  void settle_pin(int pin);
 
   int port_;
   Exti* exti_;

@@ -196,10 +196,16 @@ struct Stm32f407::Core final : Bus {
 
   const Mapped& registers(std::uint32_t address) {
     if (table.empty()) fill_table();
+    // Most accesses go where the last one went.
+    if (last_mapped != nullptr && address >= last_mapped->begin &&
+        address - last_mapped->begin < last_mapped->size) {
+      return *last_mapped;
+    }
     for (const Mapped& m : table) {
       if (address < m.begin || address - m.begin >= m.size) continue;
       if (m.gate >= 0 && !rcc.enabled(m.bus, static_cast<unsigned>(m.gate)))
         refuse_setting(m.name, "an access while its clock is off, address", address);
+      last_mapped = &m;
       return m;
     }
     throw Error("bus fault: no block at " + hexadecimal(address) + ", program counter " +
@@ -247,7 +253,10 @@ struct Stm32f407::Core final : Bus {
     const Mapped& m = registers(address);
     if (size != 4) refuse_setting(m.name, "a store narrower than a word", address);
     m.peripheral->write(address - m.begin, value);
-    if (m.peripheral == &rcc) cpu.set_cycle(rcc.core_cycle());
+    if (m.peripheral == &rcc) {
+      cpu.set_cycle(rcc.core_cycle());
+      last_mapped = nullptr;  // gates may have changed
+    }
   }
   void store(std::uint32_t address, unsigned size, std::uint32_t value) override {
     if (address < Flash::base || address - Flash::base >= Flash::size)
@@ -274,6 +283,7 @@ struct Stm32f407::Core final : Bus {
   Iwdg iwdg;
   OtgFs otg;
   std::vector<Mapped> table;
+  const Mapped* last_mapped = nullptr;
   bool watchdog_expired = false;
 };
 
