@@ -39,11 +39,11 @@ class Usb(LabCase):
             self.expect_same_records(self.folder / f"{device}.h5", reference, rows_of(step))
 
     def scan_through_unplugging(self, device):
-        step = 0.2
+        step = 0.4
         reference = self.reference(step)
         self.serve_usbip()
         scan = self.start("scan", "--quiet", "--json", "plan.toml", "-o", "scan.h5", "--device", device)
-        for size in (20_000, 60_000):
+        for size in (12_000, 36_000):
             self.wait_for_records(scan, size)
             self.detach()
             time.sleep(0.3)
