@@ -119,6 +119,17 @@ class Usb(LabCase):
         info = self.must("device", "info", "--device", "usb", "--json").stdout
         self.assertRegex(info, r'"detector": (2\.0|1\.99)')
 
+    def test_a_watcher_is_told_of_controllers_that_come_and_go(self):
+        watcher = self.start("device", "list", "--watch", "--json")
+        _, serial = self.serve_usbip()
+        come = json.loads(watcher.stdout.readline())
+        self.assertEqual((come["device"], come["present"]), (f"usb:{serial}", True))
+        self.detach()
+        gone = json.loads(watcher.stdout.readline())
+        self.assertEqual((gone["device"], gone["present"]), (f"usb:{serial}", False))
+        watcher.send_signal(signal.SIGINT)
+        self.assertEqual(watcher.wait(timeout=20), 0)
+
     def test_names_that_fit_nothing_say_what_is_there(self):
         _, serial = self.plug_in()
         for kind in ("usb", "hid"):
