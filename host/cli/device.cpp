@@ -5,6 +5,7 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <memory>
 #include <string>
@@ -24,6 +25,7 @@
 #include "host/instrument/refusals.hpp"
 #include "host/instrument/session.hpp"
 #include "host/instrument/usb_devices.hpp"
+#include "host/instrument/usb_watch.hpp"
 
 namespace umov::cli {
 namespace {
@@ -38,6 +40,7 @@ struct Options {
   std::vector<std::string> axes;
   std::vector<std::string> settings;
   bool clear = false;
+  bool watch = false;
 };
 
 Session open_session(const Options& options, const Common& common) {
@@ -334,6 +337,29 @@ void log(const Options& options, const Common& common) {
   }
 }
 
+/// Tells of controllers on USB that come and go, one line each, until Ctrl-C.
+void watch(const Common& common) {
+  catch_interrupts();
+  instrument::watch_usb_devices(
+      [&](const instrument::UsbDeviceInfo& device, bool present) {
+        const std::string name = device.serial.empty() ? "usb" : "usb:" + device.serial;
+        const char* what = !present            ? "unplugged"
+                           : device.accessible ? "plugged in"
+                                               : "plugged in, but you may not open it";
+        if (common.json) {
+          fmt::print("{}\n", json{{"device", name},
+                                  {"node", device.node},
+                                  {"present", present},
+                                  {"accessible", device.accessible}}
+                                 .dump());
+        } else {
+          fmt::print("{} at {} {}\n", name, device.node, what);
+        }
+        std::fflush(stdout);
+      },
+      [] { return !interrupt_flag().load(); });
+}
+
 /// What can be named after --device, and what is there.
 void list(const Common& common) {
   json devices =
@@ -382,7 +408,9 @@ void add_device_command(CLI::App& root, const Common& common) {
   command->require_subcommand(1);
   auto* list_command =
       command->add_subcommand("list", "what is there, and kinds of device that can be named");
-  list_command->callback([&common] { list(common); });
+  list_command->add_flag("--watch", options->watch,
+                         "tell of controllers on USB that come and go, until Ctrl-C");
+  list_command->callback([options, &common] { options->watch ? watch(common) : list(common); });
   command
       ->add_subcommand("udev-rule",
                        "print the rule for udev that lets users open controllers on USB")

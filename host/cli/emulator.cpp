@@ -28,6 +28,7 @@ struct Options {
   std::uint16_t port = 0;
   bool usb = false;
   bool plug_in = false;
+  bool gpio_adapter = false;
   std::string address = "127.0.0.1";
   std::string image;
   bool real_time = false;
@@ -100,6 +101,7 @@ void announce(const std::string& line, const Common& common) {
 void serve_usb(const emulator::BenchOptions& bench, const Options& options, const Common& common) {
   emulator::UsbOptions serve_options;
   serve_options.into_kernel = options.plug_in;
+  serve_options.gpio_adapter = options.gpio_adapter;
   serve_options.port = options.port;
   serve_options.address = options.address;
   serve_options.real_time = options.real_time;
@@ -142,6 +144,9 @@ void run(const Options& options, const Common& common) {
   catch_interrupts();
   emulator::BenchOptions bench{options.plant.sample, options.plant.preset, options.plant.plant_file,
                                options.plant.plant_settings, common.seed};
+  if (options.gpio_adapter && !options.usb && !options.plug_in) {
+    throw Error("a GPIO adapter needs USB", "add --usb or --plug-in");
+  }
   if (options.usb || options.plug_in) return serve_usb(bench, options, common);
   emulator::ServeOptions serve_options;
   serve_options.port = options.port;
@@ -182,11 +187,16 @@ void add_emulator_command(CLI::App& root, const Common& common) {
       ->excludes(usb)
       ->excludes(port);
   command->add_option("--address", options->address, "address to listen on")->capture_default_str();
+  auto* gpio_adapter = command->add_flag(
+      "--gpio-adapter", options->gpio_adapter,
+      "with --usb or --plug-in: also a MCP2221A GPIO adapter (USB device 1-2), its "
+      "lines wired to BOOT0, NRST and the interlock (low opens it)");
   command
       ->add_option("--image", options->image,
                    "run this image of the controller board (umov-stm32f407.elf) on an emulated "
                    "STM32F407 instead of the firmware core as a process")
-      ->type_name("ELF");
+      ->type_name("ELF")
+      ->excludes(gpio_adapter);
   command->add_flag("--real-time", options->real_time, "let emulated time follow the wall clock");
   command->add_flag("--list", options->list, "the shipped samples");
   command->add_flag("--parameters", options->parameters,

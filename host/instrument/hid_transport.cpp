@@ -6,6 +6,12 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <thread>
 #include <utility>
 
 #include "host/instrument/link_lost.hpp"
@@ -25,10 +31,67 @@ struct CloseHid {
 };
 using HidHandle = std::unique_ptr<hid_device, CloseHid>;
 
+/// The kernel keeps 64 reports for a program and drops what comes then: 64 ms of a controller that
+/// talks without pause. So a thread of its own takes them whatever the program does meanwhile, on a
+/// handle of its own, since hidapi's handles are not for two threads.
+class ReportReader {
+ public:
+  explicit ReportReader(HidHandle handle)
+      : handle_(std::move(handle)), thread_([this] { work(); }) {}
+  ReportReader(const ReportReader&) = delete;
+  ReportReader& operator=(const ReportReader&) = delete;
+  ~ReportReader() {
+    ended_ = true;
+    thread_.join();
+  }
+
+  /// Takes what has come, waiting for the first byte; 0 on timeout. `lost` when nothing will come
+  /// any more.
+  std::size_t take(std::span<std::uint8_t> buffer, microseconds timeout, bool& lost) {
+    std::unique_lock lock(mutex_);
+    news_.wait_for(lock, timeout, [this] { return !bytes_.empty() || lost_; });
+    const std::size_t count = std::min(buffer.size(), bytes_.size());
+    const auto end = bytes_.begin() + static_cast<std::ptrdiff_t>(count);
+    std::copy(bytes_.begin(), end, buffer.begin());
+    bytes_.erase(bytes_.begin(), end);
+    lost = lost_ && count == 0;
+    return count;
+  }
+
+ private:
+  void work() {
+    constexpr int look_up_ms = 50;
+    std::array<unsigned char, report_bytes> report{};
+    while (!ended_) {
+      const int count = hid_read_timeout(handle_.get(), report.data(), report.size(), look_up_ms);
+      if (count == 0) continue;
+      const std::lock_guard lock(mutex_);
+      if (count < 0) {
+        lost_ = true;
+      } else {
+        bytes_.insert(bytes_.end(), report.begin(), report.begin() + count);
+      }
+      news_.notify_one();
+      if (lost_) return;
+    }
+  }
+
+  HidHandle handle_;
+  std::mutex mutex_;
+  std::condition_variable news_;
+  std::deque<std::uint8_t> bytes_;
+  bool lost_ = false;
+  std::atomic<bool> ended_ = false;
+  std::thread thread_;
+};
+
 class HidTransport final : public Transport {
  public:
-  HidTransport(Socket lock, HidHandle handle, std::string name)
-      : lock_(std::move(lock)), handle_(std::move(handle)), name_(std::move(name)) {
+  HidTransport(Socket lock, HidHandle reading, HidHandle writing, std::string name)
+      : lock_(std::move(lock)),
+        handle_(std::move(writing)),
+        name_(std::move(name)),
+        reader_(std::move(reading)) {
     tell_presence(1);
   }
   ~HidTransport() override { tell_presence(0); }
@@ -47,17 +110,9 @@ class HidTransport final : public Transport {
   }
 
   std::size_t read(std::span<std::uint8_t> buffer, microseconds timeout) override {
-    if (used_ == size_) {
-      const auto ms = std::chrono::ceil<std::chrono::milliseconds>(timeout).count();
-      const int count = hid_read_timeout(handle_.get(), report_.data(), report_.size(),
-                                         static_cast<int>(std::max<decltype(ms)>(ms, 0)));
-      if (count < 0) lose();
-      used_ = 0;
-      size_ = static_cast<std::size_t>(count);
-    }
-    const std::size_t count = std::min(buffer.size(), size_ - used_);
-    std::copy_n(report_.begin() + static_cast<std::ptrdiff_t>(used_), count, buffer.begin());
-    used_ += count;
+    bool lost = false;
+    const std::size_t count = reader_.take(buffer, std::max(timeout, microseconds(0)), lost);
+    if (lost) lose();
     return count;
   }
 
@@ -78,9 +133,7 @@ class HidTransport final : public Transport {
   HidHandle handle_;
   std::string name_;
   WallClock clock_;
-  std::array<unsigned char, report_bytes> report_{};
-  std::size_t used_ = 0;
-  std::size_t size_ = 0;
+  ReportReader reader_;
 };
 
 }  // namespace
@@ -93,9 +146,11 @@ std::unique_ptr<Transport> connect_hid(const std::string& serial) {
   Socket lock(::open(device.node.c_str(), O_RDWR | O_CLOEXEC));
   if (!lock) throw LinkLost(name, "the controller has gone");
   if (::flock(lock.descriptor(), LOCK_EX | LOCK_NB) != 0) throw_busy(name, device.node);
-  HidHandle handle(hid_open_path(device.node.c_str()));
-  if (!handle) throw LinkLost(name, "the controller has gone");
-  return std::make_unique<HidTransport>(std::move(lock), std::move(handle), name);
+  HidHandle reading(hid_open_path(device.node.c_str()));
+  HidHandle writing(hid_open_path(device.node.c_str()));
+  if (!reading || !writing) throw LinkLost(name, "the controller has gone");
+  return std::make_unique<HidTransport>(std::move(lock), std::move(reading), std::move(writing),
+                                        name);
 }
 
 }  // namespace umov::instrument

@@ -20,8 +20,8 @@ using std::chrono::microseconds;
 
 /// Reads in flight, and the size of each: a multiple of the packet size, so that no packet is too
 /// long for what is left of a transfer.
-constexpr std::size_t reads_in_flight = 8;
-constexpr std::size_t read_bytes = 4096;
+constexpr std::size_t reads_in_flight = 4;
+constexpr std::size_t read_bytes = 16384;
 /// A controller that takes no byte for this long is gone.
 constexpr unsigned write_timeout_ms = 5000;
 constexpr unsigned request_timeout_ms = 1000;
@@ -151,8 +151,8 @@ class UsbTransport final : public Transport {
   /// Until something has arrived or was lost.
   void wait(microseconds timeout) {
     const auto deadline = std::chrono::steady_clock::now() + timeout;
-    news_ = 0;
     do {
+      news_ = 0;  // an empty packet is news, too, but nothing to read
       const auto left = std::max(
           std::chrono::duration_cast<microseconds>(deadline - std::chrono::steady_clock::now()),
           microseconds(0));

@@ -1,8 +1,9 @@
 // A host gone mad: the input decides which transactions come in which order on the firmware's USB
 // stack: SETUP packets whole or nearly right, data stages cut short or too long, resets and halts
-// in mid transfer. Whatever it does, the stack keeps the rules of its port (which throws where they
-// are broken), never gives more than was asked for, and answers the next proper request. fuzz-link:
-// umov_firmware umov_usbip
+// in mid transfer. The stack keeps the rules of its port (which throws where they are broken),
+// never gives more than was asked for, and answers the next proper request.
+//
+// fuzz-link: umov_firmware umov_usbip
 #include <algorithm>
 #include <array>
 #include <cstddef>

@@ -39,11 +39,11 @@ class Usb(LabCase):
             self.expect_same_records(self.folder / f"{device}.h5", reference, rows_of(step))
 
     def scan_through_unplugging(self, device):
-        step = 0.2
+        step = 0.4
         reference = self.reference(step)
         self.serve_usbip()
         scan = self.start("scan", "--quiet", "--json", "plan.toml", "-o", "scan.h5", "--device", device)
-        for size in (20_000, 60_000):
+        for size in (12_000, 36_000):
             self.wait_for_records(scan, size)
             self.detach()
             time.sleep(0.3)
@@ -118,6 +118,17 @@ class Usb(LabCase):
             self.assertEqual(position, 2_000_000)
         info = self.must("device", "info", "--device", "usb", "--json").stdout
         self.assertRegex(info, r'"detector": (2\.0|1\.99)')
+
+    def test_a_watcher_is_told_of_controllers_that_come_and_go(self):
+        watcher = self.start("device", "list", "--watch", "--json")
+        _, serial = self.serve_usbip()
+        come = json.loads(watcher.stdout.readline())
+        self.assertEqual((come["device"], come["present"]), (f"usb:{serial}", True))
+        self.detach()
+        gone = json.loads(watcher.stdout.readline())
+        self.assertEqual((gone["device"], gone["present"]), (f"usb:{serial}", False))
+        watcher.send_signal(signal.SIGINT)
+        self.assertEqual(watcher.wait(timeout=20), 0)
 
     def test_names_that_fit_nothing_say_what_is_there(self):
         _, serial = self.plug_in()

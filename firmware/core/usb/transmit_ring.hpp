@@ -21,11 +21,10 @@ class TransmitRing {
   /// All of `bytes` or nothing.
   bool push(std::span<const std::uint8_t> bytes) {
     if (bytes.size() > room()) return false;
-    std::size_t at = (first_ + size_) % capacity;
-    for (const std::uint8_t byte : bytes) {
-      buffer_[at] = byte;
-      at = at + 1 == capacity ? 0 : at + 1;
-    }
+    const std::size_t at = (first_ + size_) % capacity;
+    const std::size_t until_end = std::min(bytes.size(), capacity - at);
+    std::copy_n(bytes.begin(), until_end, buffer_.begin() + static_cast<std::ptrdiff_t>(at));
+    std::copy(bytes.begin() + static_cast<std::ptrdiff_t>(until_end), bytes.end(), buffer_.begin());
     size_ += bytes.size();
     return true;
   }
@@ -33,10 +32,11 @@ class TransmitRing {
   /// Takes as many as there are and fit; returns how many.
   std::size_t pop(std::span<std::uint8_t> out) {
     const std::size_t count = std::min(out.size(), size_);
-    for (std::size_t i = 0; i < count; ++i) {
-      out[i] = buffer_[first_];
-      first_ = first_ + 1 == capacity ? 0 : first_ + 1;
-    }
+    const std::size_t until_end = std::min(count, capacity - first_);
+    std::copy_n(buffer_.begin() + static_cast<std::ptrdiff_t>(first_), until_end, out.begin());
+    std::copy_n(buffer_.begin(), count - until_end,
+                out.begin() + static_cast<std::ptrdiff_t>(until_end));
+    first_ = (first_ + count) % capacity;
     size_ -= count;
     return count;
   }

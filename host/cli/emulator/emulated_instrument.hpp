@@ -77,6 +77,7 @@ struct ServeOptions {
 
 /// How `serve_usb` runs.
 struct UsbOptions {
+  bool gpio_adapter = false;  ///< also a MCP2221A, wired to BOOT0, NRST and the interlock
   bool into_kernel = false;   ///< plug it into this machine's kernel instead of serving USB/IP
   std::uint16_t port = 3240;  ///< of the USB/IP server; 0 = any free one
   std::string address = "127.0.0.1";

@@ -1,8 +1,13 @@
 // The emulated instrument on a virtual USB cable.
 #include <chrono>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "hil/usbip/exported_device.hpp"
+#include "hil/usbip/mcp2221.hpp"
 #include "hil/usbip/server.hpp"
+#include "host/cli/emulator/bench_lines.hpp"
 #include "host/cli/emulator/emulated_instrument.hpp"
 #include "host/cli/emulator/usb_instrument.hpp"
 
@@ -17,6 +22,26 @@ constexpr std::uint64_t slice_us = 20'000;
 constexpr std::uint64_t tick_us = 1'000;
 constexpr std::chrono::seconds plug_in_again_after{1};
 const std::string controller_bus_id = "1-1";
+const std::string adapter_bus_id = "1-2";
+
+/// The native board is a process: it has neither a ROM loader nor a reset.
+class NativePins final : public BoardPins {
+ public:
+  explicit NativePins(std::function<void(const std::string&)> tell) : tell_(std::move(tell)) {}
+  void set_boot0(bool high) override { boot0_ = high; }
+  void set_nrst(bool high) override {
+    if (!high && nrst_) {
+      tell_(std::string("NRST is low, BOOT0 ") + (boot0_ ? "high" : "low") +
+            "; this board can't be reset");
+    }
+    nrst_ = high;
+  }
+
+ private:
+  std::function<void(const std::string&)> tell_;
+  bool boot0_ = false;
+  bool nrst_ = true;
+};
 
 }  // namespace
 
@@ -31,15 +56,22 @@ void serve_usb(const BenchOptions& bench, const UsbOptions& options,
     if (options.on_event) options.on_event(event);
   };
   UsbInstrument usb(bench, wall_us, tell);
+  NativePins pins(tell);
+  BenchLines lines(usb.instrument().plant(), pins);
+  usbip::Mcp2221 adapter(lines);
+  std::vector<usbip::ExportedDevice> devices;
+  devices.push_back(usbip::export_device(controller_bus_id, 2, usb.function()));
+  if (options.gpio_adapter) {
+    devices.push_back(usbip::export_device(adapter_bus_id, 3, adapter));
+  }
   auto unplugged_since = start;
-  usbip::Server server({usbip::export_device(controller_bus_id, 2, usb.function())},
-                       [&](const std::string& bus_id, bool plugged) {
-                         tell(bus_id + (plugged ? " plugged in" : " unplugged"));
-                         unplugged_since = Clock::now();
-                       });
+  usbip::Server server(devices, [&](const std::string& bus_id, bool plugged) {
+    tell(bus_id + (plugged ? " plugged in" : " unplugged"));
+    unplugged_since = Clock::now();
+  });
   std::uint16_t port = 0;
   if (options.into_kernel) {
-    server.plug_into_kernel(controller_bus_id);
+    for (const auto& device : devices) server.plug_into_kernel(device.bus_id);
   } else {
     port = server.listen(options.port, options.address);
   }
@@ -58,9 +90,10 @@ void serve_usb(const BenchOptions& bench, const UsbOptions& options,
       usb.run_for(board.resting() ? tick_us : slice_us);
     }
     server.service();
-    if (options.into_kernel && !server.plugged(controller_bus_id) &&
-        Clock::now() - unplugged_since >= plug_in_again_after) {
-      server.plug_into_kernel(controller_bus_id);
+    if (options.into_kernel && Clock::now() - unplugged_since >= plug_in_again_after) {
+      for (const auto& device : devices) {
+        if (!server.plugged(device.bus_id)) server.plug_into_kernel(device.bus_id);
+      }
     }
   }
 }
