@@ -10,11 +10,14 @@ spine() { /usr/bin/python3 tools/benchmarks/spine.py -o docs/benchmarks.md "$@";
 inversion() { /usr/bin/python3 tools/benchmarks/inversion.py -o docs/benchmarks.md "$@"; }
 sampling() { /usr/bin/python3 tools/benchmarks/sampling.py -o docs/benchmarks_sampling.md "$@"; }
 
+controller() { /usr/bin/python3 tools/benchmarks/controller.py -o docs/benchmarks_controller.md "$@"; }
+
 case "$name" in
-  all) spine; inversion; sampling ;;
+  all) spine; inversion; sampling; controller ;;
   spine) spine "$@"; inversion ;;
   inversion) inversion "$@" ;;
   starts) inversion --rivals 1 "$@" ;;
   sampling) sampling "$@" ;;
-  *) echo "dev: there is no benchmark '$name'; there are spine, inversion, starts, sampling" >&2; exit 2 ;;
+  controller) controller "$@" ;;
+  *) echo "dev: there is no benchmark '$name'; there are spine, inversion, starts, sampling, controller" >&2; exit 2 ;;
 esac

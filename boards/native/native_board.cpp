@@ -193,6 +193,16 @@ bool NativeBoard::resting() const {
   return impl_->next_block == never && impl_->controller.resting();
 }
 
+void NativeBoard::jog(int axis, std::int32_t by_udeg) {
+  impl_->controller.jog(axis, by_udeg);
+}
+void NativeBoard::stop_by_hand(bool emergency) {
+  impl_->controller.stop_by_hand(emergency);
+}
+firmware::HandView NativeBoard::hand_view(int axis) const {
+  return impl_->controller.hand_view(axis);
+}
+
 void NativeBoard::signal_stall(int axis) {
   impl_->controller.on_stall(axis);
 }

@@ -10,6 +10,7 @@
 
 #include "boards/native/ram_log.hpp"
 #include "boards/native/world.hpp"
+#include "firmware/core/controller.hpp"
 
 namespace umov::boards::native {
 
@@ -52,6 +53,11 @@ class NativeBoard {
   /// True while nothing happens until the host says something: no move, no sampling, no timer but
   /// the tick. Running on then only lets time pass.
   bool resting() const;
+
+  /// A hand controller at the instrument; see firmware::Controller.
+  void jog(int axis, std::int32_t by_udeg);
+  void stop_by_hand(bool emergency);
+  firmware::HandView hand_view(int axis) const;
 
   /// The stall output of an axis' driver rises.
   void signal_stall(int axis);

@@ -1,6 +1,6 @@
 # Fails when the core refers to heap, exceptions or type information, uses floating point where it
 # must not, or is larger than its budget. Prints what it takes.
-set(flash_budget 65536)  # bytes of code and constants: leaves 32 KB of 96 to drivers and USB
+set(flash_budget 65536)  # bytes of code and constants, USB included: leaves 32 KB of 96 to drivers
 set(ram_budget 40960)    # bytes of static RAM: leaves 24 KB of 64 to buffers and stacks
 set(stack_budget 1024)   # bytes of a single function's frame
 

@@ -1,9 +1,11 @@
-// A board of nothing but registers, so that the core can be linked and measured as a whole.
+// A board of nothing but registers, so that the core and its USB stack can be linked and measured
+// as a whole.
 #include <cstddef>
 #include <cstdint>
 #include <new>
 
 #include "firmware/core/controller.hpp"
+#include "firmware/core/usb/device.hpp"
 
 namespace {
 
@@ -45,6 +47,54 @@ class NoLog final : public umov::firmware::PersistentLog {
   bool read(std::uint16_t, umov::firmware::LoggedFault&) const override { return false; }
 };
 
+class RegisterPort final : public umov::firmware::usb::Port {
+ public:
+  using Address = umov::firmware::usb::EndpointAddress;
+  void connect() override { reg[40] = 1; }
+  void disconnect() override { reg[40] = 0; }
+  void set_address(std::uint8_t address) override { reg[41] = address; }
+  void open_endpoint(Address address, umov::firmware::usb::EndpointType type,
+                     std::uint16_t max_packet) override {
+    reg[42] = address + max_packet + static_cast<std::uint32_t>(type);
+  }
+  void close_endpoint(Address address) override { reg[43] = address; }
+  void send(Address address, std::span<const std::uint8_t> bytes) override {
+    reg[44] = address;
+    for (const std::uint8_t byte : bytes) reg[45] = byte;
+  }
+  void receive(Address address, std::span<std::uint8_t> buffer) override {
+    reg[46] = address;
+    if (!buffer.empty()) buffer[0] = static_cast<std::uint8_t>(reg[47]);
+  }
+  void stall(Address address) override { reg[48] = address; }
+  void clear_stall(Address address) override { reg[49] = address; }
+};
+
+/// As a board wires the USB stack to the controller.
+class Wires final : public umov::firmware::usb::Application {
+ public:
+  explicit Wires(umov::firmware::Controller& controller) : controller_(&controller) {}
+  void on_link_bytes(std::span<const std::uint8_t> bytes) override {
+    controller_->on_link_bytes(bytes);
+  }
+  void on_hand_report(const umov::firmware::usb::HandReport& report) override {
+    if (report.stop || report.emergency) return controller_->stop_by_hand(report.emergency);
+    controller_->jog(report.axis, report.by_udeg);
+  }
+  umov::firmware::usb::HandState hand_state(std::uint8_t axis) const override {
+    const auto view = controller_->hand_view(axis);
+    return {static_cast<std::uint8_t>(view.state), static_cast<std::uint8_t>(view.fault),
+            view.homed_mask, axis, view.position_udeg};
+  }
+  void on_detach() override { reg[50] = 1; }
+
+ private:
+  umov::firmware::Controller* controller_;
+};
+
+alignas(umov::firmware::usb::Device) unsigned char usb_storage[sizeof(umov::firmware::usb::Device)];
+alignas(Wires) unsigned char application_storage[sizeof(Wires)];
+RegisterPort usb_port;
 alignas(umov::firmware::Controller) unsigned char storage[sizeof(umov::firmware::Controller)];
 RegisterBoard board;
 NoLog fault_log;
@@ -56,7 +106,17 @@ extern "C" {
 void umov_check_entry() {
   auto* controller = new (storage) umov::firmware::Controller(board, fault_log, {});
   controller->start();
+  auto* application = new (application_storage) Wires(*controller);
+  auto* usb = new (usb_storage) umov::firmware::usb::Device(usb_port, *application, {});
+  usb->start();
   for (;;) {
+    usb->tick(reg[0]);
+    if (reg[51] != 0) usb->on_reset();
+    if (reg[52] != 0) usb->on_setup({static_cast<std::uint8_t>(reg[53])});
+    if (reg[54] != 0) usb->on_sent(static_cast<std::uint8_t>(reg[54]));
+    if (reg[55] != 0) usb->on_received(static_cast<std::uint8_t>(reg[55]), reg[56]);
+    const std::uint8_t waiting[1] = {static_cast<std::uint8_t>(reg[57])};
+    if (usb->link_room() > 0) usb->write_link(waiting);
     const std::uint8_t byte = static_cast<std::uint8_t>(reg[25]);
     const std::uint16_t codes[2] = {static_cast<std::uint16_t>(reg[26]),
                                     static_cast<std::uint16_t>(reg[27])};

@@ -217,6 +217,7 @@ void Controller::handle(const FrameView& frame, const protocol::Stop& message) {
   if (message.emergency != 0) {
     raise(Fault::emergency_stop, -1);
   } else {
+    hand_axis_ = -1;
     sequencer_.pause();
     motion_.stop_all();
   }

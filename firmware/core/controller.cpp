@@ -9,12 +9,13 @@ namespace umov::firmware {
 using protocol::Fault;
 using protocol::State;
 
-Controller::Controller(Board& board, PersistentLog& log, const Identity& identity)
+Controller::Controller(Board& board, PersistentLog& log, const Identity& identity,
+                       const AxisTable& axes)
     : board_(&board),
       log_(&log),
       identity_(identity),
       outputs_(board),
-      motion_(board),
+      motion_(board, axes),
       sequencer_(board, motion_, outputs_),
       safety_(board, log, identity.boot_id),
       link_(board) {}
@@ -66,8 +67,9 @@ void Controller::collect_faults() {
   if (motion_fault.fault != Fault::none) raise(motion_fault.fault, motion_fault.axis);
   if (!board_->interlock_closed() && !safety_.latched(Fault::interlock))
     raise(Fault::interlock, -1);
-  // A move by hand counts, too, except the braking that another fault began.
-  const bool moves_by_command = motion_.busy() && !safety_.latched();
+  // A single move of the host counts, too; a hand controller's and the braking that another fault
+  // began do not.
+  const bool moves_by_command = motion_.busy() && hand_axis_ < 0 && !safety_.latched();
   const bool host_needed = sequencer_.running() || outputs_.laser_on() || moves_by_command;
   if (host_needed && link_.silent() && !safety_.latched(Fault::link_lost)) {
     raise(Fault::link_lost, -1);
@@ -78,6 +80,7 @@ void Controller::tick() {
   watch_deadline();
   motion_.tick();
   collect_faults();
+  follow_hand();
   if (!safety_.latched()) sequencer_.tick();
   send_what_is_due();
 }

@@ -15,13 +15,22 @@
 
 namespace umov::firmware {
 
+/// What a hand controller shows.
+struct HandView {
+  protocol::State state = protocol::State::idle;
+  protocol::Fault fault = protocol::Fault::none;
+  std::uint8_t homed_mask = 0;
+  std::int32_t position_udeg = 0;
+};
+
 /// One a board, statically allocated; board and log must outlive it.
 /// Contexts (firmware/README.md): on_step_timer() in the timer interrupts, on_samples() in the
 /// sample interrupt, on_stall() and on_adc_overrun() in any interrupt; start(), tick() and
 /// on_link_bytes() in the main loop.
 class Controller {
  public:
-  Controller(Board& board, PersistentLog& log, const Identity& identity);
+  Controller(Board& board, PersistentLog& log, const Identity& identity,
+             const AxisTable& axes = default_axes);
 
   /// Once, when the hardware is ready: dark, gain 1, faults of the last reset latched.
   void start();
@@ -40,6 +49,15 @@ class Controller {
   /// Samples were lost.
   void on_adc_overrun();
 
+  /// A hand controller at the instrument turns an axis by so much, microdegrees, from where it is
+  /// going. Steps that come while it moves add up. Nothing happens while a fault is latched, a
+  /// program runs, axes move by command, the axis is not homed, or beyond its soft limits. Needs no
+  /// session: whoever turns the knob stands there.
+  void jog(int axis, std::int32_t by_udeg);
+  /// The hand controller's stop: pauses the program, stops all axes; emergency: safe state.
+  void stop_by_hand(bool emergency);
+  HandView hand_view(int axis) const;
+
   const Motion& motion() const { return motion_; }
   const Sequencer& sequencer() const { return sequencer_; }
   /// Nothing moves, nothing is measured and nothing is waited for but the host.
@@ -57,6 +75,9 @@ class Controller {
   void send_records();
   void send_credit();
   protocol::State state() const;
+
+  // hand.cpp
+  void follow_hand();
 
   // commands.cpp
   void on_frame(const FrameView& frame);
@@ -100,6 +121,8 @@ class Controller {
   std::uint64_t records_sent_at_us_ = 0;
   std::uint64_t credit_sent_at_us_ = 0;
   protocol::RowCredit told_credit_{};
+  int hand_axis_ = -1;                 ///< axis that the hand controller moves, -1: none
+  std::int64_t hand_target_udeg_ = 0;  ///< where it shall end
 };
 
 static_assert(sizeof(Controller) <= ram_budget_bytes);

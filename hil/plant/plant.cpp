@@ -8,7 +8,6 @@
 
 #include "hil/plant/coating.hpp"
 #include "hil/plant/noise.hpp"
-#include "hil/plant/waveform.hpp"
 #include "host/errors/error.hpp"
 
 namespace umov::plant {
@@ -87,6 +86,7 @@ Plant::Plant(PlantSetup setup)
 }
 
 void Plant::set_sample(std::shared_ptr<const Sample> clean) {
+  waves_of_.reset();
   const bool own = clean == own_sample_;
   humid_.reset();
   if (config_.humidity.slope_change != 0.0) {
@@ -100,6 +100,7 @@ void Plant::set_sample(std::shared_ptr<const Sample> clean) {
 }
 
 void Plant::stage_moved(int axis) {
+  waves_of_.reset();
   const bool steers = (axis == 3 && config_.polarizer.wedge_deg != 0.0) ||
                       (axis == 4 && config_.analyzer.wedge_deg != 0.0);
   if (axis < 3 || steers) present_.fill(nullptr);
@@ -123,17 +124,20 @@ AxisSwitches Plant::switches(int axis) const {
 }
 
 void Plant::set_laser(int laser, bool on, double) {
+  waves_of_.reset();
   laser_on_[static_cast<std::size_t>(laser)] = on;
 }
 
 void Plant::set_shutter(bool open, double time_s) {
   if (open == shutter_open_) return;
+  waves_of_.reset();
   shutter_open_ = open;
   shutter_changed_s_ = time_s;
 }
 
 void Plant::set_gain(int range, double time_s) {
   if (range == range_) return;
+  waves_of_.reset();
   range_ = range;
   range_changed_s_ = time_s;
 }
@@ -148,6 +152,7 @@ void Plant::place_sample(std::shared_ptr<const Sample> sample) {
 }
 
 void Plant::arrange(const Setup& setup) {
+  waves_of_.reset();
   setup_ = setup;
   memory_.clear();
   present_.fill(nullptr);
@@ -348,55 +353,72 @@ double Plant::motor_pickup_v() const {
   return amplitude_v == 0.0 ? 0.0 : amplitude_v * std::sin(optics::radians(true_angle_deg(1)));
 }
 
-void Plant::sample(double start_time_s, double sample_rate_hz, std::uint64_t first,
-                   std::span<std::uint16_t> signal, std::span<std::uint16_t> monitor) {
+Plant::Waves Plant::waves_of(const WavesOf& where) const {
   const AmplifierConfig& a = config_.amplifier;
   const double codes_per_v = 4096.0 / config_.adc.full_scale_v;
   const double gain = gain_at_adc();
   const std::uint64_t stream_key =
-      derive_key(noise_seed_, std::bit_cast<std::uint64_t>(start_time_s));
-  NoiseKeys keys{derive_key(stream_key, 0), derive_key(stream_key, 1), 0.0};
+      derive_key(noise_seed_, std::bit_cast<std::uint64_t>(where.start_time_s));
   const std::uint64_t jitter_key = derive_key(stream_key, 2);
   const std::uint64_t phase_key = derive_key(stream_key, 3);
+  const double time_s = where.start_time_s +
+                        static_cast<double>(where.interval * slow_interval) / where.sample_rate_hz;
 
+  Beams beams = beams_at(time_s);
+  Waves waves;
+  waves.keys = {derive_key(stream_key, 0), derive_key(stream_key, 1), beams.sample_noise};
+  if (beams.jitter != 0.0) {
+    beams.signal *= 1.0 + beams.jitter * gaussian_of(jitter_key, where.interval);
+  }
+  double wander_deg = phase_wander_deg(time_s);
+  if (config_.modulation.jitter_deg != 0.0) {
+    wander_deg += config_.modulation.jitter_deg * gaussian_of(phase_key, where.interval);
+  }
+
+  const double electronics =
+      a.output_noise_v * a.output_noise_v + std::pow(gain * a.input_noise_v, 2.0);
+  const double shot = gain * gain * config_.detector.shot_noise_v * beams.signal;
+  const double since_change = std::max(0.0, time_s - range_changed_s_);
+  const double pickup = gain * a.pickup_v;
+  ChannelWave& s = waves.signal;
+  s = channel(std::hypot(beams.signal * gain, a.pedestal_adc_v), a.phase_deg + wander_deg,
+              codes_per_v);
+  s.in_phase += swing_per_fundamental * codes_per_v * (pickup + gain * motor_pickup_v());
+  s.quadrature += swing_per_fundamental * codes_per_v * pickup * a.pickup_y_fraction;
+  s.offset = codes_per_v * (a.offset_v + a.settle_v * std::exp(-since_change / a.settle_tau_s));
+  s.noise_dark = codes_per_v * std::sqrt(electronics);
+  s.noise_lit = codes_per_v * std::sqrt(electronics + shot);
+
+  ChannelWave& m = waves.monitor;
+  m = channel(beams.monitor, config_.monitor.phase_deg + wander_deg, codes_per_v);
+  m.offset = codes_per_v * config_.monitor.offset_v;
+  m.noise_dark = m.noise_lit = codes_per_v * config_.monitor.noise_v;
+  return waves;
+}
+
+void Plant::sample(double start_time_s, double sample_rate_hz, std::uint64_t first,
+                   std::span<std::uint16_t> signal, std::span<std::uint16_t> monitor) {
   for (std::size_t done = 0; done < signal.size();) {
     const std::uint64_t n = first + done;
     const std::uint64_t interval = n / slow_interval;
-    const double time_s =
-        start_time_s + static_cast<double>(interval * slow_interval) / sample_rate_hz;
     const auto left = static_cast<std::size_t>((interval + 1) * slow_interval - n);
     const std::size_t count = std::min(left, signal.size() - done);
-    Beams beams = beams_at(time_s);
-    keys.light_rms = beams.sample_noise;
-    if (beams.jitter != 0.0) {
-      beams.signal *= 1.0 + beams.jitter * gaussian_of(jitter_key, interval);
-    }
-    double wander_deg = phase_wander_deg(time_s);
-    if (config_.modulation.jitter_deg != 0.0) {
-      wander_deg += config_.modulation.jitter_deg * gaussian_of(phase_key, interval);
-    }
-
-    const double electronics =
-        a.output_noise_v * a.output_noise_v + std::pow(gain * a.input_noise_v, 2.0);
-    const double shot = gain * gain * config_.detector.shot_noise_v * beams.signal;
-    const double since_change = std::max(0.0, time_s - range_changed_s_);
-    const double pickup = gain * a.pickup_v;
-    ChannelWave s = channel(std::hypot(beams.signal * gain, a.pedestal_adc_v),
-                            a.phase_deg + wander_deg, codes_per_v);
-    s.in_phase += swing_per_fundamental * codes_per_v * (pickup + gain * motor_pickup_v());
-    s.quadrature += swing_per_fundamental * codes_per_v * pickup * a.pickup_y_fraction;
-    s.offset = codes_per_v * (a.offset_v + a.settle_v * std::exp(-since_change / a.settle_tau_s));
-    s.noise_dark = codes_per_v * std::sqrt(electronics);
-    s.noise_lit = codes_per_v * std::sqrt(electronics + shot);
-
-    ChannelWave m = channel(beams.monitor, config_.monitor.phase_deg + wander_deg, codes_per_v);
-    m.offset = codes_per_v * config_.monitor.offset_v;
-    m.noise_dark = m.noise_lit = codes_per_v * config_.monitor.noise_v;
-
-    synthesize(s, m, keys, phase_step_, n, signal.subspan(done, count),
+    const Waves waves = waves_of({start_time_s, sample_rate_hz, interval});
+    synthesize(waves.signal, waves.monitor, waves.keys, phase_step_, n, signal.subspan(done, count),
                monitor.subspan(done, count));
     done += count;
   }
+}
+
+void Plant::sample_driven(double start_time_s, double sample_rate_hz, std::uint64_t number,
+                          bool light, std::uint16_t& signal, std::uint16_t& monitor) {
+  const WavesOf where{start_time_s, sample_rate_hz, number / slow_interval};
+  if (waves_of_ != where) {
+    waves_ = waves_of(where);
+    waves_of_ = where;
+  }
+  const bool ahead = driven_.quarter_ahead(number, light);
+  synthesize(waves_.signal, waves_.monitor, waves_.keys, number, light, ahead, signal, monitor);
 }
 
 }  // namespace umov::plant

@@ -19,16 +19,19 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "hil/plant/collection.hpp"
 #include "hil/plant/collection_memory.hpp"
+#include "hil/plant/driven_modulation.hpp"
 #include "hil/plant/laser_power.hpp"
 #include "hil/plant/plant_config.hpp"
 #include "hil/plant/polarization.hpp"
 #include "hil/plant/sample.hpp"
 #include "hil/plant/stage.hpp"
+#include "hil/plant/waveform.hpp"
 
 namespace umov::plant {
 
@@ -75,10 +78,19 @@ class Plant {
   /// sample n is taken n / sample_rate_hz later, at modulation phase n · phase_step.
   void sample(double start_time_s, double sample_rate_hz, std::uint64_t first,
               std::span<std::uint16_t> signal, std::span<std::uint16_t> monitor);
+  /// One sample of the stream where the modulation output is wired to the lasers instead of told by
+  /// set_reference(): `light` is its level at that sample. Samples come in order, from number 0.
+  /// What lags in phase (amplifier, pick-up) needs the period: it is known from the second rising
+  /// edge on, until then there is no lag.
+  void sample_driven(double start_time_s, double sample_rate_hz, std::uint64_t number, bool light,
+                     std::uint16_t& signal, std::uint16_t& monitor);
 
   // --- what a person at the instrument does ---
 
-  void set_interlock(bool closed) { interlock_closed_ = closed; }
+  void set_interlock(bool closed) {
+    interlock_closed_ = closed;
+    waves_of_.reset();
+  }
   /// What dust, water and marks the configuration names lie on the sample that the instrument was
   /// set up with; another one (a white tile) is clean.
   void place_sample(std::shared_ptr<const Sample> sample);
@@ -97,6 +109,17 @@ class Plant {
 
  private:
   struct Beams;
+  /// Both channels while nothing changes.
+  struct Waves {
+    ChannelWave signal, monitor;
+    NoiseKeys keys;
+  };
+  /// Where in a stream the present waves were taken; they hold until something is driven.
+  struct WavesOf {
+    double start_time_s, sample_rate_hz;
+    std::uint64_t interval;
+    bool operator==(const WavesOf&) const = default;
+  };
 
   void stage_moved(int axis);
   void set_sample(std::shared_ptr<const Sample> clean);
@@ -108,6 +131,7 @@ class Plant {
   double motor_pickup_v() const;
   Stokes beam_behind_filter(int laser, double time_s) const;
   Beams beams_at(double time_s) const;
+  Waves waves_of(const WavesOf& where) const;
   double filter_transmittance() const;
   double long_pass_transmittance(int laser) const;
   Stokes detection_row(int laser) const;
@@ -131,6 +155,9 @@ class Plant {
   int range_ = 0;
   double range_changed_s_ = -1e9;
   std::uint32_t phase_step_ = 0;
+  DrivenModulation driven_;
+  std::optional<WavesOf> waves_of_;
+  Waves waves_;
 
   /// Filled on demand; the present entries are looked up again when the geometry changes.
   mutable CollectionMemory memory_;

@@ -24,34 +24,46 @@ inline std::uint16_t to_code(double value) {
   return static_cast<std::uint16_t>(std::clamp(value + (middle + 0.5), 0.0, 4095.0));
 }
 
+/// Codes of sample n.
+inline void synthesize_one(const ChannelWave& signal_wave, const ChannelWave& monitor_wave,
+                           const NoiseKeys& keys, const GaussianTable& normal, std::uint64_t n,
+                           bool lit, bool ahead, std::uint16_t& signal, std::uint16_t& monitor) {
+  const std::uint64_t bits = random_bits(keys.electronics, n);
+  double s =
+      level(signal_wave, lit, ahead) + (lit ? signal_wave.noise_lit : signal_wave.noise_dark) *
+                                           normal(static_cast<std::uint32_t>(bits));
+  double m =
+      level(monitor_wave, lit, ahead) + (lit ? monitor_wave.noise_lit : monitor_wave.noise_dark) *
+                                            normal(static_cast<std::uint32_t>(bits >> 32));
+  if (keys.light_rms != 0.0 && lit) {
+    const double relative =
+        keys.light_rms * normal(static_cast<std::uint32_t>(random_bits(keys.light, n)));
+    s += signal_wave.light * relative;
+    m += monitor_wave.light * relative;
+  }
+  signal = to_code(s);
+  monitor = to_code(m);
+}
+
 }  // namespace
 
 void synthesize(const ChannelWave& signal_wave, const ChannelWave& monitor_wave,
                 const NoiseKeys& keys, std::uint32_t phase_step, std::uint64_t first,
                 std::span<std::uint16_t> signal, std::span<std::uint16_t> monitor) {
   const GaussianTable& normal = GaussianTable::instance();
-  const bool light_noise = keys.light_rms != 0.0;
   for (std::size_t i = 0; i < signal.size(); ++i) {
     const std::uint64_t n = first + i;
     const auto phase = static_cast<std::uint32_t>(n * phase_step);
-    const bool lit = high(phase);
-    const bool ahead = high(phase + quarter_turn);
-    const std::uint64_t bits = random_bits(keys.electronics, n);
-    double s =
-        level(signal_wave, lit, ahead) + (lit ? signal_wave.noise_lit : signal_wave.noise_dark) *
-                                             normal(static_cast<std::uint32_t>(bits));
-    double m =
-        level(monitor_wave, lit, ahead) + (lit ? monitor_wave.noise_lit : monitor_wave.noise_dark) *
-                                              normal(static_cast<std::uint32_t>(bits >> 32));
-    if (light_noise && lit) {
-      const double relative =
-          keys.light_rms * normal(static_cast<std::uint32_t>(random_bits(keys.light, n)));
-      s += signal_wave.light * relative;
-      m += monitor_wave.light * relative;
-    }
-    signal[i] = to_code(s);
-    monitor[i] = to_code(m);
+    synthesize_one(signal_wave, monitor_wave, keys, normal, n, high(phase),
+                   high(phase + quarter_turn), signal[i], monitor[i]);
   }
+}
+
+void synthesize(const ChannelWave& signal_wave, const ChannelWave& monitor_wave,
+                const NoiseKeys& keys, std::uint64_t number, bool lit, bool ahead,
+                std::uint16_t& signal, std::uint16_t& monitor) {
+  synthesize_one(signal_wave, monitor_wave, keys, GaussianTable::instance(), number, lit, ahead,
+                 signal, monitor);
 }
 
 }  // namespace umov::plant

@@ -32,4 +32,10 @@ void synthesize(const ChannelWave& signal_wave, const ChannelWave& monitor_wave,
                 const NoiseKeys& keys, std::uint32_t phase_step, std::uint64_t first,
                 std::span<std::uint16_t> signal, std::span<std::uint16_t> monitor);
 
+/// The same for one sample of a modulation that is driven from outside: `lit` its level at sample
+/// `number`, `ahead` its level a quarter period later.
+void synthesize(const ChannelWave& signal_wave, const ChannelWave& monitor_wave,
+                const NoiseKeys& keys, std::uint64_t number, bool lit, bool ahead,
+                std::uint16_t& signal, std::uint16_t& monitor);
+
 }  // namespace umov::plant

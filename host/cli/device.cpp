@@ -5,6 +5,7 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <memory>
 #include <string>
@@ -23,6 +24,8 @@
 #include "host/instrument/program_control.hpp"
 #include "host/instrument/refusals.hpp"
 #include "host/instrument/session.hpp"
+#include "host/instrument/usb_devices.hpp"
+#include "host/instrument/usb_watch.hpp"
 
 namespace umov::cli {
 namespace {
@@ -37,6 +40,7 @@ struct Options {
   std::vector<std::string> axes;
   std::vector<std::string> settings;
   bool clear = false;
+  bool watch = false;
 };
 
 Session open_session(const Options& options, const Common& common) {
@@ -333,17 +337,66 @@ void log(const Options& options, const Common& common) {
   }
 }
 
+/// Tells of controllers on USB that come and go, one line each, until Ctrl-C.
+void watch(const Common& common) {
+  catch_interrupts();
+  instrument::watch_usb_devices(
+      [&](const instrument::UsbDeviceInfo& device, bool present) {
+        const std::string name = device.serial.empty() ? "usb" : "usb:" + device.serial;
+        const char* what = !present            ? "unplugged"
+                           : device.accessible ? "plugged in"
+                                               : "plugged in, but you may not open it";
+        if (common.json) {
+          fmt::print("{}\n", json{{"device", name},
+                                  {"node", device.node},
+                                  {"present", present},
+                                  {"accessible", device.accessible}}
+                                 .dump());
+        } else {
+          fmt::print("{} at {} {}\n", name, device.node, what);
+        }
+        std::fflush(stdout);
+      },
+      [] { return !interrupt_flag().load(); });
+}
+
+/// What can be named after --device, and what is there.
 void list(const Common& common) {
+  json devices =
+      json::array({{{"device", "emulator"}, {"about", "emulated instrument in this process"}}});
+  const auto add = [&](const std::string& kind, const std::string& pipe,
+                       const std::vector<instrument::UsbDeviceInfo>& found) {
+    for (const auto& device : found) {
+      const std::string about = device.accessible
+                                    ? device.product + " on " + device.node + ", " + pipe
+                                    : "at " + device.node + ", but you may not open it";
+      devices.push_back({{"device", device.serial.empty() ? kind : kind + ":" + device.serial},
+                         {"about", about},
+                         {"node", device.node},
+                         {"accessible", device.accessible}});
+    }
+  };
+  std::string trouble;
+  try {
+    add("usb", "bulk pipes", instrument::list_usb_devices());
+    add("hid", "HID reports", instrument::list_hid_devices());
+  } catch (const Error& error) {  // no USB here: that is no reason not to name the rest
+    trouble = error.problem();
+  }
   if (common.json) {
-    fmt::print(
-        "{}\n",
-        json::array({{{"device", "emulator"}, {"about", "emulated instrument in this process"}}})
-            .dump());
+    fmt::print("{}\n", devices.dump());
     return;
   }
-  fmt::print(
-      "emulator         emulated instrument in this process\n"
-      "tcp:HOST:PORT    controller or `umov emulator` on the network\n");
+  bool closed = false;
+  for (const auto& device : devices) {
+    fmt::print("{:<32} {}\n", device["device"].get<std::string>(),
+               device["about"].get<std::string>());
+    closed = closed || !device.value("accessible", true);
+  }
+  fmt::print("{:<32} controller or `umov emulator` on the network\n", "tcp:HOST:PORT");
+  if (common.quiet) return;
+  if (!trouble.empty()) fmt::print(stderr, "{}\n", trouble);
+  if (closed) fmt::print(stderr, "{}\n", instrument::permission_remedy());
 }
 
 }  // namespace
@@ -353,8 +406,15 @@ void add_device_command(CLI::App& root, const Common& common) {
   auto* command = root.add_subcommand(
       "device", "Look at a controller, home it, move an axis, read its fault log");
   command->require_subcommand(1);
-  auto* list_command = command->add_subcommand("list", "kinds of device that can be named");
-  list_command->callback([&common] { list(common); });
+  auto* list_command =
+      command->add_subcommand("list", "what is there, and kinds of device that can be named");
+  list_command->add_flag("--watch", options->watch,
+                         "tell of controllers on USB that come and go, until Ctrl-C");
+  list_command->callback([options, &common] { options->watch ? watch(common) : list(common); });
+  command
+      ->add_subcommand("udev-rule",
+                       "print the rule for udev that lets users open controllers on USB")
+      ->callback([] { fmt::print("{}", instrument::udev_rule()); });
 
   const auto add = [&](const char* name, const char* about,
                        void (*run)(const Options&, const Common&)) {

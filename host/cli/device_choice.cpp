@@ -7,7 +7,9 @@
 
 #include "host/cli/emulator/emulated_instrument.hpp"
 #include "host/instrument/device_names.hpp"
+#include "host/instrument/hid_transport.hpp"
 #include "host/instrument/tcp_transport.hpp"
+#include "host/instrument/usb_transport.hpp"
 
 namespace umov::cli {
 namespace {
@@ -31,7 +33,10 @@ void add_plant_options(CLI::App& command, DeviceChoice& choice) {
 }
 
 void add_device_options(CLI::App& command, DeviceChoice& choice) {
-  command.add_option("--device", choice.device, "emulator or tcp:HOST:PORT")->capture_default_str();
+  command
+      .add_option("--device", choice.device,
+                  "emulator, usb[:SERIAL], hid[:SERIAL] or tcp:HOST:PORT")
+      ->capture_default_str();
   add_plant_options(command, choice);
 }
 
@@ -46,6 +51,12 @@ Instrument choose_instrument(const DeviceChoice& choice, const std::string& plan
   const auto device = instrument::parse_device_name(choice.device);
   if (device.kind == instrument::DeviceKind::tcp) {
     return {[device] { return instrument::connect_tcp(device.host, device.port); }, {}};
+  }
+  if (device.kind == instrument::DeviceKind::usb) {
+    return {[device] { return instrument::connect_usb(device.serial); }, {}};
+  }
+  if (device.kind == instrument::DeviceKind::hid) {
+    return {[device] { return instrument::connect_hid(device.serial); }, {}};
   }
   emulator::BenchOptions bench;
   bench.sample = choice.sample.empty() ? catalogue_name(plan_sample) : choice.sample;

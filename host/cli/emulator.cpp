@@ -1,4 +1,5 @@
-// umov emulator: an instrument without hardware, on TCP; and what there is to put on its stage.
+// umov emulator: an instrument without hardware, on TCP or a virtual USB cable; and what there is
+// to put on its stage.
 #include <memory>
 #include <string>
 
@@ -12,6 +13,9 @@
 #include "host/cli/device_choice.hpp"
 #include "host/cli/emulator/emulated_instrument.hpp"
 #include "host/cli/emulator/truth.hpp"
+#ifdef UMOV_EMULATED_BOARD
+#include "host/cli/emulator/mcu/serve_image.hpp"
+#endif
 #include "host/cli/interrupt.hpp"
 #include "host/cli/output_file.hpp"
 #include "host/errors/error.hpp"
@@ -21,8 +25,12 @@ namespace {
 
 struct Options {
   DeviceChoice plant;
-  std::uint16_t port = 5025;
+  std::uint16_t port = 0;
+  bool usb = false;
+  bool plug_in = false;
+  bool gpio_adapter = false;
   std::string address = "127.0.0.1";
+  std::string image;
   bool real_time = false;
   bool list = false;
   bool parameters = false;
@@ -76,6 +84,52 @@ void write_certificate(const std::string& name, const std::string& path) {
   emulator::write_certificate(name, path);
 }
 
+/// One line on stdout when hosts can come.
+void announce(const std::string& line, const Common& common) {
+  if (common.quiet) return;
+  fmt::print("{}\n", line);
+  std::fflush(stdout);
+}
+
+#ifndef UMOV_EMULATED_BOARD
+[[noreturn]] void refuse_image() {
+  throw Error("this program was built without the emulated controller board",
+              "install libunicorn-dev and build again, or leave --image out");
+}
+#endif
+
+void serve_usb(const emulator::BenchOptions& bench, const Options& options, const Common& common) {
+  emulator::UsbOptions serve_options;
+  serve_options.into_kernel = options.plug_in;
+  serve_options.gpio_adapter = options.gpio_adapter;
+  serve_options.port = options.port;
+  serve_options.address = options.address;
+  serve_options.real_time = options.real_time;
+  serve_options.on_ready = [&](std::uint16_t port) {
+    if (options.plug_in) {
+      announce(bench.sample +
+                   " on the stage, plugged into this machine; connect with --device usb "
+                   "(Ctrl-C ends)",
+               common);
+    } else {
+      announce(fmt::format("{} on the stage; plug it in with: usbip --tcp-port {} attach -r {} -b "
+                           "1-1 (Ctrl-C ends)",
+                           bench.sample, port, options.address),
+               common);
+    }
+  };
+  serve_options.on_event = [&](const std::string& event) {
+    if (!common.quiet) fmt::print(stderr, "{}\n", event);
+  };
+  const auto keep_going = [] { return !interrupt_flag().load(); };
+  if (options.image.empty()) return emulator::serve_usb(bench, serve_options, keep_going);
+#ifdef UMOV_EMULATED_BOARD
+  emulator::serve_image_usb(bench, options.image, serve_options, keep_going);
+#else
+  refuse_image();
+#endif
+}
+
 void run(const Options& options, const Common& common) {
   if (options.list) return list_samples(common);
   if (options.parameters) {
@@ -90,20 +144,29 @@ void run(const Options& options, const Common& common) {
   catch_interrupts();
   emulator::BenchOptions bench{options.plant.sample, options.plant.preset, options.plant.plant_file,
                                options.plant.plant_settings, common.seed};
+  if (options.gpio_adapter && !options.usb && !options.plug_in) {
+    throw Error("a GPIO adapter needs USB", "add --usb or --plug-in");
+  }
+  if (options.usb || options.plug_in) return serve_usb(bench, options, common);
   emulator::ServeOptions serve_options;
   serve_options.port = options.port;
   serve_options.address = options.address;
   serve_options.real_time = options.real_time;
   serve_options.on_listening = [&](std::uint16_t port) {
-    if (common.quiet) return;
-    fmt::print("{} on the stage; connect with --device tcp:{}:{} (Ctrl-C ends)\n", bench.sample,
-               options.address, port);
-    std::fflush(stdout);
+    announce(fmt::format("{} on the stage; connect with --device tcp:{}:{} (Ctrl-C ends)",
+                         bench.sample, options.address, port),
+             common);
   };
   serve_options.on_event = [&](const std::string& event) {
     if (!common.quiet) fmt::print(stderr, "{}\n", event);
   };
-  emulator::serve(bench, serve_options, [] { return !interrupt_flag().load(); });
+  const auto keep_going = [] { return !interrupt_flag().load(); };
+  if (options.image.empty()) return emulator::serve(bench, serve_options, keep_going);
+#ifdef UMOV_EMULATED_BOARD
+  emulator::serve_image(bench, options.image, serve_options, keep_going);
+#else
+  refuse_image();
+#endif
 }
 
 }  // namespace
@@ -112,10 +175,28 @@ void add_emulator_command(CLI::App& root, const Common& common) {
   auto options = std::make_shared<Options>();
   auto* command = root.add_subcommand(
       "emulator",
-      "An instrument without hardware: the real firmware core on emulated physics, on TCP");
+      "An instrument without hardware: the real firmware core on emulated physics, on TCP or USB");
   add_plant_options(*command, options->plant);
-  command->add_option("--port", options->port, "TCP port, 0 = any free one")->capture_default_str();
+  auto* port = command->add_option("--port", options->port,
+                                   "TCP port, 0 = any free one; 5025 by default, with --usb 3240");
+  auto* usb = command->add_flag("--usb", options->usb,
+                                "be a USB device, served by USB/IP to this machine or another one");
+  command
+      ->add_flag("--plug-in", options->plug_in,
+                 "be a USB device of this machine (as root, with the kernel module vhci-hcd)")
+      ->excludes(usb)
+      ->excludes(port);
   command->add_option("--address", options->address, "address to listen on")->capture_default_str();
+  auto* gpio_adapter = command->add_flag(
+      "--gpio-adapter", options->gpio_adapter,
+      "with --usb or --plug-in: also a MCP2221A GPIO adapter (USB device 1-2), its "
+      "lines wired to BOOT0, NRST and the interlock (low opens it)");
+  command
+      ->add_option("--image", options->image,
+                   "run this image of the controller board (umov-stm32f407.elf) on an emulated "
+                   "STM32F407 instead of the firmware core as a process")
+      ->type_name("ELF")
+      ->excludes(gpio_adapter);
   command->add_flag("--real-time", options->real_time, "let emulated time follow the wall clock");
   command->add_flag("--list", options->list, "the shipped samples");
   command->add_flag("--parameters", options->parameters,
@@ -128,7 +209,10 @@ void add_emulator_command(CLI::App& root, const Common& common) {
                    "would certify it")
       ->needs(output);
   command->footer("Example:\n  umov emulator --sample red-gloss --preset realistic --port 5025");
-  command->callback([options, &common] { run(*options, common); });
+  command->callback([options, port, &common] {
+    if (port->count() == 0) options->port = options->usb ? 3240 : 5025;
+    run(*options, common);
+  });
 }
 
 }  // namespace umov::cli

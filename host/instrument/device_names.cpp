@@ -7,7 +7,8 @@
 namespace umov::instrument {
 namespace {
 
-constexpr std::string_view available = "available are: emulator, tcp:HOST:PORT";
+constexpr std::string_view available =
+    "available are: emulator, usb[:SERIAL], hid[:SERIAL], tcp:HOST:PORT";
 
 std::string quoted(std::string_view text) {
   return "'" + std::string(text) + "'";
@@ -30,10 +31,20 @@ DeviceName parse_tcp(std::string_view text) {
     refuse_address(text, "an IPv6 address needs brackets");
   }
   if (host.empty()) refuse_address(text, "the host is missing");
-  DeviceName name{DeviceKind::tcp, std::string(host), 0, std::string(text)};
+  DeviceName name{DeviceKind::tcp, std::string(host), 0, {}, std::string(text)};
   const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), name.port);
   if (error != std::errc{} || end != port.data() + port.size() || name.port == 0) {
     refuse_address(text, "the port " + quoted(port) + " is not a number from 1 to 65535");
+  }
+  return name;
+}
+
+DeviceName parse_usb(std::string_view text, DeviceKind kind) {
+  DeviceName name{kind, {}, 0, {}, std::string(text)};
+  if (text.size() > 3) name.serial = text.substr(4);
+  if (text.size() == 4) {
+    throw Error("device " + quoted(text) + ": the serial number is missing",
+                "leave the colon out, or see umov device list");
   }
   return name;
 }
@@ -46,17 +57,16 @@ bool is_kind(std::string_view text, std::string_view kind) {
 }  // namespace
 
 DeviceName parse_device_name(std::string_view text) {
-  if (text == "emulator") return {DeviceKind::emulator, {}, 0, std::string(text)};
+  if (text == "emulator") return {DeviceKind::emulator, {}, 0, {}, std::string(text)};
   if (is_kind(text, "tcp")) {
     if (text == "tcp") refuse_address(text, "host and port are missing");
     return parse_tcp(text);
   }
-  for (const std::string_view kind : {"usb", "hid", "serial"}) {
-    if (is_kind(text, kind)) {
-      throw Error("device " + quoted(text) + ": " + std::string(kind) +
-                      " devices are not available in this build",
-                  std::string(available));
-    }
+  if (is_kind(text, "usb")) return parse_usb(text, DeviceKind::usb);
+  if (is_kind(text, "hid")) return parse_usb(text, DeviceKind::hid);
+  if (is_kind(text, "serial")) {
+    throw Error("device " + quoted(text) + ": serial devices are not available in this build",
+                std::string(available));
   }
   throw Error("unknown device " + quoted(text), std::string(available));
 }

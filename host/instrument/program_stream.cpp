@@ -18,8 +18,11 @@ using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
 constexpr milliseconds poll_slice{50};
-/// Least time between two requests to send the missing records again.
+/// Least time between two requests to send the missing records again. It doubles while nothing new
+/// comes: on a slow pipe the answer to the first is still on its way, and what is sent again to the
+/// second one stands in the way of everything else.
 constexpr milliseconds ask_again_after{50};
+constexpr milliseconds longest_ask_again{800};
 /// A device that has its rows needs no probing; this is for credits that were lost.
 constexpr int probe_intervals = 10;
 /// How long records measured before a fault may take to arrive.
@@ -136,6 +139,7 @@ void ProgramStream::take(const protocol::Record& record) {
   attaches_since_record_ = 0;
   device_next_record_ = std::max(device_next_record_, next_index_);
   record_progress_us_ = session_->clock_us();
+  ask_wait_ = ask_again_after;
 }
 
 void ProgramStream::on(const protocol::RowCredit& credit) {
@@ -288,7 +292,8 @@ void ProgramStream::ask_for_what_is_missing() {
   // Full although we have acknowledged all we know of: that acknowledgement was lost.
   const bool blocked = device_lacks_room_;
   if (!gap && !overdue && !blocked) return;
-  if (now - last_asked_us_ < to_us(ask_again_after)) return;
+  if (now - last_asked_us_ < to_us(ask_wait_)) return;
+  ask_wait_ = std::min(2 * ask_wait_, longest_ask_again);
   ask_for_records();
   device_lacks_room_ = false;
 }

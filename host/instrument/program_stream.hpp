@@ -126,6 +126,7 @@ class ProgramStream {
   std::uint64_t unsecured_since_us_ = 0;
   std::uint64_t record_progress_us_ = 0;
   std::uint64_t last_asked_us_ = 0;
+  std::chrono::milliseconds ask_wait_{50};  ///< before the next request for missing records
   bool device_lacks_room_ = false;
 
   // Rows

@@ -1,4 +1,4 @@
-// A socket that closes itself. Only for the TCP files of this folder.
+// A file descriptor that closes itself. Only for the transports of this folder.
 #pragma once
 
 #include <unistd.h>

@@ -15,6 +15,7 @@
 #include "host/errors/error.hpp"
 #include "host/instrument/link_lost.hpp"
 #include "host/instrument/socket.hpp"
+#include "host/instrument/wall_clock.hpp"
 
 namespace umov::instrument {
 namespace {
@@ -68,21 +69,14 @@ class TcpTransport final : public Transport {
     throw LinkLost(name_, "connection lost: " + error_text(errno));
   }
 
-  std::uint64_t clock_us() override {
-    // Epoch plus a clock that never jumps: timeouts must not depend on someone setting the date.
-    return start_us_ + static_cast<std::uint64_t>(
-                           std::chrono::duration_cast<microseconds>(Clock::now() - start_).count());
-  }
+  std::uint64_t clock_us() override { return clock_.now_us(); }
 
   std::string name() const override { return name_; }
 
  private:
   Socket socket_;
   std::string name_;
-  Clock::time_point start_ = Clock::now();
-  std::uint64_t start_us_ = static_cast<std::uint64_t>(
-      std::chrono::duration_cast<microseconds>(std::chrono::system_clock::now().time_since_epoch())
-          .count());
+  WallClock clock_;
 };
 
 /// 0 when connected, else errno.

@@ -77,6 +77,9 @@ class JournalSink : public instrument::RecordSink {
   std::vector<formats::ScanRecord> pending_;
 };
 
+/// A device that is plugged in again shall not wait long for its host.
+constexpr std::chrono::milliseconds longest_reconnect_wait{500};
+
 /// What tells one instrument from another: name and serial number.
 std::string device_key(const protocol::HelloReply& device) {
   return fmt::format("{} {}", name_text(device.device_name), name_text(device.serial));
@@ -299,7 +302,7 @@ class Runner {
         if (options_.progress)
           options_.progress({next_, summary_.total, "link lost, trying again"});
         if (!sleep_while_wanted(wait)) return false;
-        wait *= 2;
+        wait = std::min(2 * wait, longest_reconnect_wait);
         continue;
       } catch (const Error&) {
         finish_file();

@@ -34,8 +34,8 @@ struct RunOptions {
   /// Changes the set-up for blocks that need it, and undoes it; empty: such plans are refused.
   Arranger arrange;
   Arrangement standing;  ///< what every row of the plan needs besides (ScanPart)
-  int reconnects = 5;    ///< tries after a lost link
-  std::chrono::milliseconds reconnect_wait{400};  ///< before the first; doubles
+  int reconnects = 25;   ///< tries after a lost link: some twelve seconds
+  std::chrono::milliseconds reconnect_wait{250};  ///< before the first; then 500 ms at most
 };
 
 struct RunSummary {

@@ -31,8 +31,11 @@ inline constexpr std::int32_t overtravel_udeg = 2'000'000;
 /// element out of the beam 200 degrees beyond zero, 20 degrees above the angular range.
 inline constexpr std::int32_t open_park_udeg = 200'000'000;
 
-/// What the reference instrument has; order of protocol::Axis.
-inline constexpr std::array<AxisSettings, axis_count> default_axes = {{
+/// All axes of an instrument; order of protocol::Axis.
+using AxisTable = std::array<AxisSettings, axis_count>;
+
+/// What the reference instrument has.
+inline constexpr AxisTable default_axes = {{
     // incidence: the sample turns
     {360'000, -10'000'000, 90'000'000, 40'000, 400'000, 8'000'000, 0, 0, 20'000, 1'000},
     // detector arm: signed angle in the plane, or with the azimuth out of it

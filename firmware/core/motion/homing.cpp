@@ -31,40 +31,37 @@ bool Homing::seek(int direction, std::uint32_t speed_mdeg_s, Watch watch) {
 }
 
 Homing::Result Homing::enter(Stage stage) {
+  if (start(stage)) return Result::busy;
+  // At the lower limit already: search the other way.
+  if (stage == Stage::search_down && start(Stage::search_up)) return Result::busy;
+  return Result::limit;
+}
+
+bool Homing::start(Stage stage) {
   stage_ = stage;
   const std::uint32_t fast = settings_->homing_mdeg_s;
   const std::uint32_t slow = settings_->approach_mdeg_s;
   const MotionLimits usual =
       motion_limits(settings_->steps_per_turn, settings_->speed_mdeg_s,
                     settings_->acceleration_mdeg_s2, settings_->jerk_mdeg_s3);
-  bool started = true;
   switch (stage) {
     case Stage::search_down:
-      started = seek(-1, fast, Watch::home_pressed);
-      break;
+      return seek(-1, fast, Watch::home_pressed);
     case Stage::search_up:
-      started = seek(+1, fast, Watch::home_pressed);
-      break;
+      return seek(+1, fast, Watch::home_pressed);
     case Stage::release:
-      started = seek(+1, fast, Watch::home_released);
-      break;
+      return seek(+1, fast, Watch::home_released);
     case Stage::approach:
-      started = seek(-1, slow, Watch::home_pressed);
-      break;
+      return seek(-1, slow, Watch::home_pressed);
     case Stage::edge:
-      started = seek(+1, std::max<std::uint32_t>(1, slow / 4), Watch::home_released);
-      break;
+      return seek(+1, std::max<std::uint32_t>(1, slow / 4), Watch::home_released);
     case Stage::below:
-      started = axis_->start(-steps_from_udeg(arrival_udeg, settings_->steps_per_turn), usual,
-                             Watch::nothing);
-      break;
+      return axis_->start(-steps_from_udeg(arrival_udeg, settings_->steps_per_turn), usual,
+                          Watch::nothing);
     case Stage::arrive:
-      started = axis_->start(0, usual, Watch::nothing);
-      break;
+      return axis_->start(0, usual, Watch::nothing);
   }
-  if (started) return Result::busy;
-  if (stage == Stage::search_down) return enter(Stage::search_up);
-  return Result::limit;
+  return false;
 }
 
 Homing::Result Homing::after_search(bool home_pressed) {

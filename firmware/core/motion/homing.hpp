@@ -35,6 +35,7 @@ class Homing {
   };
 
   Result enter(Stage stage);
+  bool start(Stage stage);
   bool seek(int direction, std::uint32_t speed_mdeg_s, Watch watch);
   Result after_search(bool home_pressed);
   Result after_edge();

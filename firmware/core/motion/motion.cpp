@@ -21,7 +21,7 @@ constexpr void clear(std::uint8_t& mask, int axis) {
 
 }  // namespace
 
-Motion::Motion(Board& board) : board_(&board) {
+Motion::Motion(Board& board, const AxisTable& axes) : settings_(axes), board_(&board) {
   for (int axis = 0; axis < axis_count; ++axis) axes_[index(axis)].attach(board, axis);
 }
 

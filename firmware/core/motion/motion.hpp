@@ -21,7 +21,7 @@ struct MotionFault {
 
 class Motion {
  public:
-  explicit Motion(Board& board);
+  explicit Motion(Board& board, const AxisTable& axes = default_axes);
 
   const AxisSettings& settings(int axis) const { return settings_[index(axis)]; }
   /// At rest only. False when the limits are not in order, the speed is beyond the step timer or
@@ -66,7 +66,7 @@ class Motion {
   void follow_up(int axis);
   void advance_homing();
 
-  std::array<AxisSettings, axis_count> settings_ = default_axes;
+  AxisTable settings_;
   std::array<AxisMotion, axis_count> axes_{};
   std::array<std::int32_t, axis_count> final_steps_{};  // where a take-up ends
   std::uint8_t take_up_mask_ = 0;

@@ -58,22 +58,36 @@ std::int64_t times(std::int64_t value, std::uint64_t ticks, unsigned exponent) {
                    times(static_cast<std::uint64_t>(-value), ticks, exponent));
 }
 
-/// Ticks by which a Newton step moves: difference * 2^exponent / slope, to the nearest tick while
-/// the move is short; a long one need not be exact, the next iteration corrects it. Divides only
-/// when the guess was off by more than a tick.
-std::uint64_t newton_ticks(std::uint64_t difference, std::uint64_t slope, unsigned exponent) {
-  if (difference >= slope) return std::uint64_t{1} << exponent;
+/// Ticks by which a Newton step moves: difference * 2^exponent / slope. `exact`: to the nearest
+/// tick; else the move is long or leaves the segment, and the next iteration looks again.
+struct NewtonStep {
+  std::uint64_t ticks;
+  bool exact;
+};
+
+/// Divides only when the guess was off by more than four ticks.
+NewtonStep newton_step(std::uint64_t difference, std::uint64_t slope, unsigned exponent) {
+  if (difference >= slope) return {std::uint64_t{1} << exponent, false};
   const unsigned width = static_cast<unsigned>(std::bit_width(difference));
   const unsigned room = 63 - width;
   if (exponent <= room) {
     const std::uint64_t scaled = difference << exponent;
-    if (scaled < slope / 2) return 0;
-    if (scaled < slope + slope / 2) return 1;
-    return (scaled + slope / 2) / slope;
+    if ((scaled >> 2) >= slope) return {(scaled + slope / 2) / slope, true};
+    std::uint64_t ticks = 0;
+    for (std::uint64_t rest = scaled + slope / 2; rest >= slope; rest -= slope) ++ticks;
+    return {ticks, true};
   }
   const std::uint64_t coarse = slope >> (exponent - room);
-  if (coarse == 0) return std::uint64_t{1} << exponent;
-  return (difference << room) / coarse;
+  if (coarse == 0) return {std::uint64_t{1} << exponent, false};
+  return {(difference << room) / coarse, false};
+}
+
+/// Whether a Newton step that ends `ticks` after the start needs no further look. The speed grows
+/// at most like the square of the time, so what the step leaves is below moved^2 / ticks: here a
+/// 64th of a tick.
+bool good_enough(const NewtonStep& step, std::uint64_t ticks) {
+  if (step.ticks <= 1) return true;
+  return step.exact && step.ticks < 4096 && 64 * step.ticks * step.ticks <= ticks;
 }
 
 }  // namespace
@@ -84,6 +98,9 @@ Profile::Profile(std::uint32_t steps, const MotionLimits& limits, std::uint32_t 
 }
 
 void Profile::build_segments() {
+  total_ = durations_.total();
+  half_ = durations_.half();
+  steps_ = static_cast<std::uint32_t>((distance_ + half_step) >> fraction_bits);
   const std::uint64_t t1 = durations_.jerk;
   const std::uint64_t t2 = durations_.acceleration;
   const std::uint64_t u = t1 + t2;
@@ -157,10 +174,6 @@ Profile Profile::stopped_after(std::uint64_t ticks) const {
   return stop;
 }
 
-std::uint32_t Profile::steps() const {
-  return static_cast<std::uint32_t>((distance_ + half_step) >> fraction_bits);
-}
-
 const Profile::Segment& Profile::segment_at(std::uint64_t ticks) const {
   int index = 3;
   while (index > 0 && ticks < segments_[static_cast<std::size_t>(index)].begin) --index;
@@ -179,7 +192,7 @@ std::uint64_t Profile::distance_at(std::uint64_t ticks) const {
 std::uint64_t Profile::rising_tick(std::uint64_t distance, std::uint64_t guess) const {
   // The distance is convex over the first half, so Newton's iteration comes from above after its
   // first step and cannot leave the half.
-  const std::uint64_t half = durations_.half();
+  const std::uint64_t half = half_;
   std::uint64_t t = std::min(guess, half);
   for (int iteration = 0; iteration < 100; ++iteration) {
     const Segment& g = segment_at(t);
@@ -194,13 +207,13 @@ std::uint64_t Profile::rising_tick(std::uint64_t distance, std::uint64_t guess) 
     }
     const std::uint64_t reached = g.start + times(mean, local, g.exponent);
     if (reached <= distance) {
-      const std::uint64_t forward = newton_ticks(distance - reached, slope, g.exponent);
-      t = std::min(half, t + forward);
-      if (forward <= 1) break;
+      const NewtonStep forward = newton_step(distance - reached, slope, g.exponent);
+      t = std::min(half, t + forward.ticks);
+      if (good_enough(forward, t)) break;
     } else {
-      const std::uint64_t back = newton_ticks(reached - distance, slope, g.exponent);
-      t -= std::min(t, back);
-      if (back <= 1) break;
+      const NewtonStep back = newton_step(reached - distance, slope, g.exponent);
+      t -= std::min(t, back.ticks);
+      if (good_enough(back, t)) break;
     }
   }
   return t;

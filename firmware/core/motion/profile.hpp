@@ -59,9 +59,9 @@ class Profile {
   Profile stopped_after(std::uint64_t ticks) const;
 
   const SegmentTicks& durations() const { return durations_; }
-  std::uint64_t total_ticks() const { return durations_.total(); }
+  std::uint64_t total_ticks() const { return total_; }
   /// Steps the move makes in all.
-  std::uint32_t steps() const;
+  std::uint32_t steps() const { return steps_; }
   /// Distance after `ticks`, with `fraction_bits`.
   std::uint64_t distance_at(std::uint64_t ticks) const;
   /// Tick at which step `number` (1 … steps()) is due; `guess` is any tick near it.
@@ -84,6 +84,10 @@ class Profile {
 
   SegmentTicks durations_{};
   std::uint64_t distance_ = 0;
+  // Worked out beforehand for the step interrupt.
+  std::uint64_t total_ = 0;
+  std::uint64_t half_ = 0;
+  std::uint32_t steps_ = 0;
   std::array<Segment, 4> segments_{};
 };
 

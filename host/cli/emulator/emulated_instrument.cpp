@@ -112,16 +112,21 @@ std::string bench_serial(const BenchOptions& options) {
   return serial.data();
 }
 
-EmulatedInstrument::EmulatedInstrument(const BenchOptions& options,
-                                       std::function<std::uint64_t()> link_time_us) {
+plant::PlantSetup plant_setup(const BenchOptions& options) {
   plant::PlantSetup setup;
   setup.config = options.plant_file.empty() ? plant::preset_config(options.preset)
                                             : plant::config_from_file(options.plant_file);
   for (const auto& setting : options.settings) plant::apply_override(setup.config, setting);
-  own_sample_ = plant::make_sample(options.sample);
-  setup.sample = own_sample_;
+  setup.sample = plant::make_sample(options.sample);
   setup.seed = options.seed;
   setup.session = options.session;
+  return setup;
+}
+
+EmulatedInstrument::EmulatedInstrument(const BenchOptions& options,
+                                       std::function<std::uint64_t()> link_time_us) {
+  plant::PlantSetup setup = plant_setup(options);
+  own_sample_ = setup.sample;
   plant_ = std::make_unique<plant::Plant>(std::move(setup));
   wiring_ = std::make_unique<Wiring>(*plant_);
   boards::native::NativeBoardOptions board;

@@ -32,6 +32,9 @@ struct BenchOptions {
 /// resumed only on the instrument it was begun on.
 std::string bench_serial(const BenchOptions& options);
 
+/// The plant of these options. Throws umov::Error for an unknown sample, preset or parameter.
+plant::PlantSetup plant_setup(const BenchOptions& options);
+
 /// Board and plant together. Owns both; not thread-safe.
 class EmulatedInstrument {
  public:
@@ -46,6 +49,7 @@ class EmulatedInstrument {
   void arrange(const std::vector<std::pair<std::string, std::string>>& settings);
 
   boards::native::NativeBoard& board() { return *board_; }
+  const boards::native::NativeBoard& board() const { return *board_; }
   plant::Plant& plant() { return *plant_; }
   const plant::Plant& plant() const { return *plant_; }
 
@@ -70,6 +74,23 @@ struct ServeOptions {
   std::function<void(std::uint16_t port)> on_listening;    ///< may be empty
   std::function<void(const std::string& event)> on_event;  ///< may be empty
 };
+
+/// How `serve_usb` runs.
+struct UsbOptions {
+  bool gpio_adapter = false;  ///< also a MCP2221A, wired to BOOT0, NRST and the interlock
+  bool into_kernel = false;   ///< plug it into this machine's kernel instead of serving USB/IP
+  std::uint16_t port = 3240;  ///< of the USB/IP server; 0 = any free one
+  std::string address = "127.0.0.1";
+  bool real_time = false;                                  ///< as in ServeOptions
+  std::function<void(std::uint16_t port)> on_ready;        ///< port 0: plugged in; may be empty
+  std::function<void(const std::string& event)> on_event;  ///< may be empty
+};
+
+/// Serves an instrument as a USB device on a virtual cable until `keep_going` says no. One that
+/// somebody unplugs from this machine's kernel is plugged in again after a second. Program and
+/// records survive.
+void serve_usb(const BenchOptions& bench, const UsbOptions& options,
+               const std::function<bool()>& keep_going);
 
 /// Serves an instrument on TCP, one host at a time, until `keep_going` says no. Program and records
 /// survive a host that goes away.

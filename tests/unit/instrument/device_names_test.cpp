@@ -31,11 +31,18 @@ TEST(DeviceNames, TheEmulatorAndTcpAddressesAreUnderstood) {
   EXPECT_EQ(parse_device_name("tcp:[::1]:80").host, "::1");
 }
 
+TEST(DeviceNames, ControllersOnUsbAreNamedByTheirSerialNumberOrNotAtAll) {
+  EXPECT_EQ(parse_device_name("usb").kind, DeviceKind::usb);
+  EXPECT_EQ(parse_device_name("usb").serial, "");
+  EXPECT_EQ(parse_device_name("usb:EMU-0042").serial, "EMU-0042");
+  EXPECT_EQ(parse_device_name("hid:A:B").kind, DeviceKind::hid);
+  EXPECT_EQ(parse_device_name("hid:A:B").serial, "A:B");
+  EXPECT_THAT(failure_of("usb:"), HasSubstr("serial number is missing"));
+}
+
 TEST(DeviceNames, KnownDevicesThatAreNotInThisBuildAreToldFromUnknownOnes) {
-  for (const std::string text : {"usb", "usb:0042", "hid", "serial:/dev/ttyACM0"}) {
-    EXPECT_THAT(failure_of(text),
-                HasSubstr("not available in this build (available are: emulator, tcp:HOST:PORT)"));
-  }
+  EXPECT_THAT(failure_of("serial:/dev/ttyACM0"),
+              HasSubstr("not available in this build (available are: emulator, usb[:SERIAL]"));
   EXPECT_THAT(failure_of("usbx"), HasSubstr("unknown device 'usbx'"));
   EXPECT_THAT(failure_of(""), HasSubstr("unknown device ''"));
 }

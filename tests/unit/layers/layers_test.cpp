@@ -22,6 +22,7 @@ const std::map<std::string, std::set<std::string>> allowed = {
     {"protocol/tools", {"protocol"}},
     {"firmware", {"protocol"}},
     {"boards/native", {"protocol", "firmware"}},
+    {"boards/stm32f407", {"protocol", "firmware"}},
     {"host/errors", {}},
     {"host/parallel", {}},
     {"host/parallel/ranks", {"host/errors"}},
@@ -53,22 +54,35 @@ const std::map<std::string, std::set<std::string>> allowed = {
     // The plant's world: of the host plain optics (and errors and TOML) only, so that a diagnosis
     // is never tested on its own model run forwards.
     {"hil/plant", {"host/optics", "host/errors", "host/toml"}},
+    // The chip knows nothing of what runs on it; its wiring reads the board's description.
+    {"hil/mcu", {"host/errors"}},
+    {"hil/mcu/board", {"hil/mcu", "hil/usbip", "host/errors", "boards/stm32f407"}},
     // Withheld cases are made by the plant and written as Scan CSV; see also the test on its
     // formats.
     {"hil/blind", {"hil/plant", "host/optics", "host/errors", "host/toml", "host/formats"}},
+    // A virtual cable between a kernel and anything with a USB connector; it knows no instrument.
+    {"hil/usbip", {"host/errors", "firmware"}},
     {"host/cli/emulator",
      {"host/errors", "host/optics", "host/instrument", "boards/native", "firmware", "hil/plant",
-      "protocol"}},
+      "hil/usbip", "protocol"}},
+    {"host/cli/emulator/mcu",
+     {"host/cli/emulator", "host/instrument", "hil/mcu", "hil/mcu/board", "hil/plant",
+      "hil/usbip"}},
     {"host/cli/study",
      {"host/gap/answer", "host/gap/benchmark", "host/errors", "host/parallel", "host/optics",
       "host/brdf", "host/formats", "host/instrument", "host/scan", "host/calibrate", "host/invert",
       "host/gap/engine", "host/gap/scan", "host/gap/pointing", "host/report", "host/cli/emulator",
       "protocol"}},
-    {"host/cli",
-     {"host/errors", "host/optics", "host/brdf", "host/formats", "host/instrument", "host/scan",
-      "hil/plant", "hil/blind", "host/calibrate", "host/invert", "host/gap/engine", "host/gap/scan",
-      "host/gap/answer", "host/gap/benchmark", "host/parallel/ranks", "host/report",
-      "host/cli/emulator", "host/cli/study", "protocol"}},
+    {"host/cli", {"host/errors",         "host/optics",
+                  "host/brdf",           "host/formats",
+                  "host/instrument",     "host/scan",
+                  "hil/plant",           "hil/blind",
+                  "host/calibrate",      "host/invert",
+                  "host/gap/engine",     "host/gap/scan",
+                  "host/gap/answer",     "host/gap/benchmark",
+                  "host/parallel/ranks", "host/report",
+                  "host/cli/emulator",   "host/cli/emulator/mcu",
+                  "host/cli/study",      "protocol"}},
 };
 
 // What freestanding code may take from the standard library.

@@ -1,0 +1,167 @@
+// The program: start-up order, main loop, and which interrupt calls what.
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <new>
+#include <string_view>
+
+#include "boards/stm32f407/clock.hpp"
+#include "boards/stm32f407/flash_log.hpp"
+#include "boards/stm32f407/registers/core.hpp"
+#include "boards/stm32f407/registers/gpio.hpp"
+#include "boards/stm32f407/reset_cause.hpp"
+#include "boards/stm32f407/stm32_board.hpp"
+#include "boards/stm32f407/usb_application.hpp"
+#include "boards/stm32f407/usb_port.hpp"
+#include "firmware/core/controller.hpp"
+#include "firmware/source_hash.hpp"
+
+namespace umov::boards::stm32f407 {
+namespace {
+
+Stm32Board board;
+FlashLog fault_log;
+alignas(firmware::Controller) std::byte controller_place[sizeof(firmware::Controller)];
+firmware::Controller* controller = nullptr;
+UsbPort usb_port;
+UsbApplication usb_application(board);
+alignas(firmware::usb::Device) std::byte usb_place[sizeof(firmware::usb::Device)];
+firmware::usb::Device* usb = nullptr;
+std::atomic<bool> tick_due{false};
+
+/// Priorities, 0 the most urgent: step edges first, then what must go dark at once, samples, link.
+void start_interrupts() {
+  set_priority(Irq::tim2, 0);
+  set_priority(Irq::tim5, 0);
+  set_priority(Irq::exti4, 1);
+  set_priority(Irq::exti9_5, 1);
+  set_priority(Irq::adc, 1);
+  set_priority(Irq::dma2_stream0, 2);
+  set_priority(Irq::dma1_stream6, 3);
+  set_priority(Irq::otg_fs, 3);
+  set_systick_priority(3);
+  for (const Irq irq : {Irq::tim2, Irq::tim5, Irq::exti4, Irq::exti9_5, Irq::adc, Irq::dma2_stream0,
+                        Irq::dma1_stream6}) {
+    enable(irq);
+  }
+  systick().RVR = core_hz / 1000 - 1;
+  systick().CVR = 0;
+  systick().CSR = systick_bits::ENABLE | systick_bits::TICKINT | systick_bits::CLKSOURCE;
+}
+
+/// The chip's 96-bit number as 24 hexadecimal digits.
+std::array<char, 24> chip_serial() {
+  constexpr std::string_view digits = "0123456789ABCDEF";
+  const auto* id = reinterpret_cast<const volatile std::uint8_t*>(memory_map::unique_id);
+  std::array<char, 24> text;
+  for (std::size_t i = 0; i < 12; ++i) {
+    text[2 * i] = digits[id[11 - i] >> 4];
+    text[2 * i + 1] = digits[id[11 - i] & 15];
+  }
+  return text;
+}
+
+firmware::Identity identity(firmware::ResetCause cause, std::uint32_t boot_id) {
+  firmware::Identity who{
+      .firmware_hash = firmware::source_hash, .boot_id = boot_id, .reset_cause = cause};
+  constexpr std::string_view name = board_name;
+  static_assert(name.size() <= sizeof(who.device_name));
+  std::copy(name.begin(), name.end(), who.device_name.begin());
+  who.serial = chip_serial();
+  return who;
+}
+
+void stalled(std::uint32_t lines) {
+  for (int axis = 0; axis < static_cast<int>(axis_pins.size()); ++axis) {
+    if ((axis_pins[static_cast<std::size_t>(axis)].stall.mask() & lines) != 0) {
+      controller->on_stall(axis);
+    }
+  }
+}
+
+void on_exti(std::uint32_t lines) {
+  const std::uint32_t pending = exti().PR & lines;
+  exti().PR = pending;
+  stalled(pending);
+}
+
+template <unsigned timer>
+void on_step_timer() {
+  board.steps().on_interrupt<timer>([](int axis) { return controller->on_step_timer(axis); });
+}
+
+}  // namespace
+}  // namespace umov::boards::stm32f407
+
+using namespace umov::boards::stm32f407;
+
+extern "C" {
+
+void tim2_handler() {
+  on_step_timer<2>();
+}
+void tim5_handler() {
+  on_step_timer<5>();
+}
+void exti4_handler() {
+  on_exti(bit(4));
+}
+void exti9_5_handler() {
+  on_exti(0x3E0);
+}
+void adc_handler() {
+  if (board.sampling().take_overrun()) controller->on_adc_overrun();
+}
+void dma2_stream0_handler() {
+  const bool all = board.sampling().on_interrupt(
+      [](std::span<const std::uint16_t> signal, std::span<const std::uint16_t> monitor) {
+        controller->on_samples(signal, monitor);
+      });
+  if (!all) controller->on_adc_overrun();
+}
+void dma1_stream6_handler() {
+  board.link().on_sent();
+}
+void otg_fs_handler() {
+  usb_port.on_interrupt();
+}
+void systick_handler() {
+  tick_due.store(true, std::memory_order_release);
+}
+
+int main() {
+  start_clocks();
+  const auto cause = take_reset_cause();
+  board.set_up();
+  const std::uint32_t boot_id = fault_log.begin();
+  controller = new (controller_place)
+      umov::firmware::Controller(board, fault_log, identity(cause, boot_id), axes);
+  usb = new (usb_place) umov::firmware::usb::Device(usb_port, usb_application, chip_serial());
+  usb_application.bind(*controller);
+  board.use_usb(*usb);
+  usb_port.set_up();
+  controller->start();
+  usb->start();
+  start_watchdog();
+  start_interrupts();
+  for (;;) {
+    usb_port.poll(*usb);
+    board.link().read([](std::span<const std::uint8_t> bytes) {
+      // One host at a time: whoever is on USB has the controller.
+      if (!board.on_usb()) controller->on_link_bytes(bytes);
+    });
+    if (tick_due.exchange(false, std::memory_order_acquire)) {
+      feed_watchdog();
+      controller->tick();
+      usb->tick(board.time_us());
+      if (!controller->motion().busy()) fault_log.service();
+    }
+    // An interrupt between the look at the flag and here only costs the rest of this millisecond's
+    // sleep if it was not the tick; a tick is looked for with interrupts held off.
+    const CriticalSection alone;
+    if (!tick_due.load(std::memory_order_relaxed)) asm volatile("wfi");
+  }
+}
+}

@@ -1,0 +1,30 @@
+// Independent watchdog (RM0090 21.4) and power control (5.4).
+#pragma once
+
+#include "boards/stm32f407/registers/access.hpp"
+#include "boards/stm32f407/registers/memory_map.hpp"
+
+namespace umov::boards::stm32f407 {
+
+struct IwdgRegisters {
+  Register KR, PR, RLR, SR;
+};
+inline IwdgRegisters& iwdg() {
+  return at<IwdgRegisters>(memory_map::iwdg);
+}
+
+namespace iwdg_keys {
+inline constexpr std::uint32_t START = 0xCCCC, UNLOCK = 0x5555, RELOAD = 0xAAAA;
+}
+
+struct PwrRegisters {
+  Register CR, CSR;
+};
+inline PwrRegisters& pwr() {
+  return at<PwrRegisters>(memory_map::pwr);
+}
+namespace pwr_bits {
+inline constexpr std::uint32_t VOS_SCALE_1 = bit(14);
+}
+
+}  // namespace umov::boards::stm32f407

@@ -1,0 +1,106 @@
+// From reset to main: vector table, memory, and what happens when the processor faults.
+#include <cstddef>
+#include <cstdint>
+
+#include "boards/stm32f407/registers/core.hpp"
+
+extern "C" {
+
+extern std::uint32_t image_data_load[], image_data_begin[], image_data_end[];
+extern std::uint32_t image_bss_begin[], image_bss_end[];
+extern std::uint32_t image_stack_top[];
+using Constructor = void (*)();
+extern Constructor __init_array_start[], __init_array_end[];
+
+int main();
+
+void tim2_handler();
+void tim5_handler();
+void exti4_handler();
+void exti9_5_handler();
+void adc_handler();
+void dma2_stream0_handler();
+void dma1_stream6_handler();
+void otg_fs_handler();
+void systick_handler();
+
+/// A processor fault: nothing can be trusted any more. Reset; the outputs are inputs from then on
+/// and their external pull-downs keep the light off.
+[[noreturn]] void fault_handler() {
+  using namespace umov::boards::stm32f407;
+  constexpr std::uint32_t key = 0x05FA'0000, system_reset = 1u << 2;
+  scb().AIRCR = key | system_reset;
+  for (;;) {
+  }
+}
+
+[[noreturn]] void reset_handler();
+
+using Handler = void (*)();
+union Vector {
+  const std::uint32_t* stack_top;
+  Handler handler;
+};
+}
+
+namespace {
+
+using umov::boards::stm32f407::Irq;
+
+struct Table {
+  Vector vector[16 + 82];
+};
+
+constexpr std::size_t place(Irq irq) {
+  return 16 + static_cast<std::size_t>(irq);
+}
+
+constexpr Table make_table() {
+  Table table{};
+  for (Vector& v : table.vector) v = {.handler = fault_handler};
+  table.vector[0] = {.stack_top = image_stack_top};
+  table.vector[1] = {.handler = reset_handler};
+  table.vector[15] = {.handler = systick_handler};
+  table.vector[place(Irq::tim2)] = {.handler = tim2_handler};
+  table.vector[place(Irq::tim5)] = {.handler = tim5_handler};
+  table.vector[place(Irq::exti4)] = {.handler = exti4_handler};
+  table.vector[place(Irq::exti9_5)] = {.handler = exti9_5_handler};
+  table.vector[place(Irq::adc)] = {.handler = adc_handler};
+  table.vector[place(Irq::dma2_stream0)] = {.handler = dma2_stream0_handler};
+  table.vector[place(Irq::dma1_stream6)] = {.handler = dma1_stream6_handler};
+  table.vector[place(Irq::otg_fs)] = {.handler = otg_fs_handler};
+  return table;
+}
+
+/// The image's own vectors, at its beginning.
+[[gnu::section(".vectors"), gnu::used]] constinit const Table vectors = make_table();
+
+/// What the chip reads at power-on while no boot loader is there: it goes straight to the image.
+struct FirstVectors {
+  Vector stack, reset;
+};
+[[gnu::section(".first_vectors"), gnu::used]] constinit const FirstVectors first_vectors = {
+    {.stack_top = image_stack_top}, {.handler = reset_handler}};
+
+}  // namespace
+
+extern "C" {
+
+void reset_handler() {
+  umov::boards::stm32f407::scb().VTOR = reinterpret_cast<std::uintptr_t>(&vectors);
+  const std::uint32_t* from = image_data_load;
+  for (std::uint32_t* to = image_data_begin; to < image_data_end;) *to++ = *from++;
+  for (std::uint32_t* to = image_bss_begin; to < image_bss_end;) *to++ = 0;
+  for (Constructor* c = __init_array_start; c < __init_array_end; ++c) (*c)();
+  main();
+  fault_handler();
+}
+
+// Called where a pure virtual function would be: never, or something is badly wrong.
+[[noreturn]] void __cxa_pure_virtual() {
+  fault_handler();
+}
+[[noreturn]] void abort() {
+  fault_handler();
+}
+}

@@ -1,0 +1,112 @@
+// Step pulses of six axes: two 32-bit timers run freely at the core's step clock, a compare channel
+// raises an axis' pin on the very tick, the interrupt lowers it and sets the next.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include "boards/stm32f407/board_description.hpp"
+#include "boards/stm32f407/pins.hpp"
+#include "boards/stm32f407/registers/timer.hpp"
+#include "firmware/core/config/design_parameters.hpp"
+
+namespace umov::boards::stm32f407 {
+
+/// Contexts: on_interrupt() in the timers' interrupts (one priority for both), the rest in the main
+/// loop. An edge that falls due while interrupts are late is raised late, never dropped: the edges
+/// after it keep to their own ticks.
+class StepOutputs {
+ public:
+  void set_up();
+  /// First edge `ticks` from now.
+  void start(int axis, std::uint32_t ticks);
+  /// No further edge. One that has been raised already is still counted: its interrupt follows.
+  void stop(int axis);
+
+  /// Interrupt of TIM2 or TIM5: for each edge raised calls `on_step(axis)`, which returns the ticks
+  /// to the next or 0. Axis, channel and addresses are constants of the code made for each.
+  template <unsigned timer_number, class OnStep>
+  void on_interrupt(OnStep&& on_step) {
+    TimerRegisters& timer = timer_number == 2 ? tim2() : tim5();
+    const std::uint32_t raised = timer.SR & timer.DIER;
+    for_each_axis([&]<std::size_t axis>() {
+      if constexpr (axis_pins[axis].timer == timer_number) {
+        if ((raised & timer_bits::CC(axis_pins[axis].channel)) != 0) serve<axis>(on_step);
+      }
+    });
+  }
+
+ private:
+  template <class Each>
+  static void for_each_axis(Each&& each) {
+    [&]<std::size_t... axis>(std::index_sequence<axis...>) {
+      (each.template operator()<axis>(), ...);
+    }
+    (std::make_index_sequence<axis_pins.size()>{});
+  }
+  template <std::size_t axis>
+  static TimerRegisters& timer_of() {
+    return axis_pins[axis].timer == 2 ? tim2() : tim5();
+  }
+  template <std::size_t axis>
+  static void set_mode(std::uint32_t mode) {
+    constexpr unsigned place = axis_pins[axis].channel - 1;
+    constexpr unsigned shift = 8 * (place % 2) + 4;
+    change_bits(timer_of<axis>().CCMR[place / 2], 7u << shift, mode << shift);
+  }
+
+  template <std::size_t axis, class OnStep>
+  void serve(OnStep&& on_step) {
+    constexpr unsigned channel = axis_pins[axis].channel;
+    TimerRegisters& timer = timer_of<axis>();
+    timer.SR = ~timer_bits::CC(channel);
+    const std::uint32_t due = timer.CCR[channel - 1];
+    const std::uint32_t interval = on_step(static_cast<int>(axis));
+    while (timer.CNT - raised_at_[axis] < pulse_ticks) {
+    }
+    set_mode<axis>(timer_bits::OC_FORCE_LOW);
+    if (interval == 0 || ending_[axis]) {
+      disarm<axis>();
+    } else {
+      arm<axis>(due + interval);
+    }
+  }
+
+  template <std::size_t axis>
+  void arm(std::uint32_t due) {
+    constexpr unsigned channel = axis_pins[axis].channel;
+    TimerRegisters& timer = timer_of<axis>();
+    raised_at_[axis] = due;
+    timer.CCR[channel - 1] = due;
+    set_mode<axis>(timer_bits::OC_HIGH_ON_MATCH);
+    // The tick may have gone by before the channel was ready: then there is no match for 2^32
+    // ticks, or one that found the pin held low.
+    const std::uint32_t now = timer.CNT;
+    if (static_cast<std::int32_t>(now - due) < 0 || read(axis_pins[axis].step)) return;
+    raised_at_[axis] = now;
+    set_mode<axis>(timer_bits::OC_FORCE_HIGH);
+    timer.EGR = timer_bits::CC(channel);
+  }
+
+  template <std::size_t axis>
+  static void disarm() {
+    constexpr unsigned channel = axis_pins[axis].channel;
+    TimerRegisters& timer = timer_of<axis>();
+    clear_bits(timer.DIER, timer_bits::CC(channel));
+    set_mode<axis>(timer_bits::OC_FORCE_LOW);
+    timer.SR = ~timer_bits::CC(channel);
+  }
+
+  static constexpr std::uint32_t pulse_ticks =
+      step_pulse_us * (firmware::step_timer_hz / 1'000'000);
+
+  std::array<std::uint32_t, axis_pins.size()> raised_at_{};
+  std::array<volatile bool, axis_pins.size()> ending_{};
+};
+
+/// Ticks of the step clock since start, modulo 2^32; the device's time base.
+std::uint32_t step_clock();
+
+}  // namespace umov::boards::stm32f407

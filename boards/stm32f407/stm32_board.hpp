@@ -1,0 +1,65 @@
+// The board as the core sees it: pins, step timers, sampling and link put together.
+#pragma once
+
+#include "boards/stm32f407/sampling.hpp"
+#include "boards/stm32f407/step_outputs.hpp"
+#include "boards/stm32f407/uart_link.hpp"
+#include "firmware/core/port.hpp"
+#include "firmware/core/usb/device.hpp"
+
+namespace umov::boards::stm32f407 {
+
+class Stm32Board final : public firmware::Board {
+ public:
+  /// Once, when the clocks run: everything dark and at rest.
+  void set_up();
+
+  std::uint64_t time_us() const override;
+  std::uint64_t link_time_us() const override { return time_us(); }
+  std::size_t link_room() const override;
+  bool write_link(std::span<const std::uint8_t> frame) override;
+
+  void set_direction(int axis, int direction) override;
+  void start_step_timer(int axis, std::uint32_t ticks) override { steps_.start(axis, ticks); }
+  void stop_step_timer(int axis) override { steps_.stop(axis); }
+  /// The compare channel has raised the pin already.
+  void step(int) override {}
+  firmware::AxisInputs switches(int axis) const override;
+
+  void set_laser(int laser, bool on) override;
+  void set_shutter(bool open) override;
+  void set_gain(int range) override;
+  bool interlock_closed() const override;
+
+  void start_sampling(std::uint32_t phase_step) override { sampling_.start(phase_step); }
+  void stop_sampling() override { sampling_.stop(); }
+
+  void mask_interrupts() override;
+  void unmask_interrupts() override;
+
+  /// Where frames for the host go: over USB from the first byte that came that way until it has
+  /// been silent for `usb_silence_us`, else over the serial line.
+  void use_usb(firmware::usb::Device& usb) { usb_ = &usb; }
+  void heard_on_usb() {
+    usb_heard_us_ = time_us();
+    usb_owns_ = true;
+  }
+  bool on_usb() const { return usb_owns_ && time_us() - usb_heard_us_ < usb_silence_us; }
+  static constexpr std::uint64_t usb_silence_us = firmware::usb::owner_silence_us;
+
+  StepOutputs& steps() { return steps_; }
+  Sampling& sampling() { return sampling_; }
+  UartLink& link() { return link_; }
+
+ private:
+  StepOutputs steps_;
+  Sampling sampling_;
+  UartLink link_;
+  firmware::usb::Device* usb_ = nullptr;
+  std::uint64_t usb_heard_us_ = 0;
+  bool usb_owns_ = false;
+  mutable std::uint32_t clock_low_ = 0;
+  mutable std::uint32_t clock_high_ = 0;
+};
+
+}  // namespace umov::boards::stm32f407

@@ -1,0 +1,90 @@
+// The chip: processor, memory and peripherals put together, running an image in virtual time.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "hil/mcu/elf_file.hpp"
+#include "hil/mcu/rcc.hpp"
+#include "hil/mcu/scheduler.hpp"
+
+namespace umov::mcu {
+
+class OtgFs;
+
+/// What the pins end in. All calls come in the order of virtual time.
+class Surroundings {
+ public:
+  virtual ~Surroundings() = default;
+  /// The chip drives a pin to another level (false too when it stops driving it).
+  virtual void on_pin(int port, int pin, bool level, Time now) = 0;
+  /// Voltage on input `channel` of ADC1 and ADC2 as a 12-bit code.
+  virtual std::uint16_t analog(unsigned channel, Time now) = 0;
+  /// USART2 has sent a byte.
+  virtual void on_serial(std::uint8_t byte, Time now) = 0;
+};
+
+struct ChipOptions {
+  std::uint32_t crystal_hz = 8'000'000;
+  std::array<std::uint32_t, 3> unique_id = {0x0030'0041, 0x3234'510A, 0x3331'3736};
+};
+
+/// Deterministic: the same image and the same calls give the same run. Not thread-safe. What the
+/// program does that the model does not cover is refused by umov::Error from run_until().
+class Stm32f407 {
+ public:
+  Stm32f407(Surroundings& surroundings, ChipOptions options = {});
+  ~Stm32f407();
+
+  /// Writes an image into the flash, as a programmer does.
+  void flash(std::span<const Segment> image);
+  /// Contents of the flash, 1 MB; kept over resets.
+  std::vector<std::uint8_t>& flash_contents() { return flash_; }
+  /// The chip starts; needs vectors at the beginning of the flash.
+  void reset(ResetSource source);
+
+  /// Lets time pass up to `limit`, or until pause() is called.
+  void run_until(Time limit);
+  /// Ends run_until() after the present instant; for use from the surroundings.
+  void pause() { paused_ = true; }
+  Time now() const;
+
+  /// What the outside does to a pin; empty: leaves it to the pull.
+  void drive_pin(int port, int pin, std::optional<bool> level);
+  bool pin_level(int port, int pin) const;
+  /// Bytes to USART2.
+  void serial(std::span<const std::uint8_t> bytes);
+
+  /// The USB connector, for transactions at this moment; null before the first reset. Not to be
+  /// kept: a reset makes another one.
+  OtgFs* usb();
+
+  /// Resets since the beginning by watchdog and by the program.
+  unsigned watchdog_resets() const { return watchdog_resets_; }
+  unsigned software_resets() const { return software_resets_; }
+
+  /// Instructions since the last reset: all, and in one exception without what interrupted it
+  /// (16 + n: interrupt n; 0: main program); and how often an exception was entered.
+  std::uint64_t instructions() const;
+  std::uint64_t instructions_in(int exception) const;
+  std::uint64_t entries_of(int exception) const;
+
+ private:
+  struct Core;
+
+  Surroundings* surroundings_;
+  ChipOptions options_;
+  std::vector<std::uint8_t> flash_, sram_, ccm_, system_;
+  std::array<std::array<std::optional<bool>, 16>, 5> driven_{};
+  std::uint32_t reset_flags_ = 0;
+  unsigned watchdog_resets_ = 0, software_resets_ = 0;
+  bool paused_ = false;
+  std::unique_ptr<Core> core_;
+};
+
+}  // namespace umov::mcu

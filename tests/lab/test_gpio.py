@@ -1,0 +1,67 @@
+"""The GPIO adapter under Linux' own driver: the interlock, BOOT0 and NRST through libgpiod."""
+
+import signal
+import subprocess
+import unittest
+
+from lab_case import LabCase, wait_until
+
+BOOT0, NRST, INTERLOCK = 0, 1, 2
+
+
+class Gpio(LabCase):
+    def setUp(self):
+        super().setUp()
+        self.process, _ = self.plug_in("--gpio-adapter")
+        # The number of the chip may differ after a replug, its label does not.
+        self.chip = wait_until(self.chip_of_adapter, "the driver makes a GPIO chip")
+
+    @staticmethod
+    def chip_of_adapter():
+        listed = subprocess.run(["gpiodetect"], capture_output=True, text=True, check=False).stdout
+        chips = [line.split()[0] for line in listed.splitlines() if "mcp2221_gpio" in line]
+        return chips[-1] if chips else None
+
+    def set(self, line, level):
+        subprocess.run(["gpioset", self.chip, f"{line}={level}"], check=True, timeout=20)
+
+    def get(self, line):
+        out = subprocess.run(["gpioget", self.chip, str(line)], check=True, timeout=20,
+                             capture_output=True, text=True).stdout
+        return int(out)
+
+    def fault(self):
+        info = self.must("device", "info", "--device", "usb").stdout
+        return info.split("fault ")[1].split(",")[0], info.split("interlock ")[1].split()[0]
+
+    def test_the_chip_has_four_lines_at_the_levels_of_the_board(self):
+        label = subprocess.run(["gpioinfo", self.chip], capture_output=True, text=True, check=True).stdout
+        self.assertIn("4 lines", label)
+        self.assertEqual([self.get(line) for line in (BOOT0, NRST, INTERLOCK)], [0, 1, 1])
+
+    def test_an_interlock_opened_in_mid_scan_ends_it_dark_and_is_cleared_by_hand(self):
+        self.plan(0.1)
+        scan = self.start("scan", "--quiet", "plan.toml", "-o", "scan.h5", "--device", "usb")
+        self.wait_for_records(scan, 5_000)
+        self.set(INTERLOCK, 0)
+        _, message = scan.communicate(timeout=60)
+        self.assertEqual(scan.returncode, 1, message)
+        self.assertIn("interlock", message)
+        self.assertEqual(self.fault(), ("interlock", "open"))
+        self.refused("device", "log", "--clear", "--device", "usb", says=["a fault is latched"])
+        self.set(INTERLOCK, 1)
+        self.assertEqual(self.fault(), ("interlock", "closed"), "latched until somebody clears it")
+        self.assertIn("cleared interlock", self.must("device", "log", "--clear", "--device", "usb").stdout)
+        self.must("scan", "plan.toml", "-o", "scan.h5", "--device", "usb", "--resume")
+
+    def test_reset_and_boot_lines_reach_the_board(self):
+        self.set(BOOT0, 1)
+        self.set(NRST, 0)
+        self.assertEqual([self.get(NRST)], [1], "as an input it is let go: the board pulls it up")
+        self.process.send_signal(signal.SIGINT)
+        _, told = self.process.communicate(timeout=20)
+        self.assertIn("NRST is low, BOOT0 high", told)
+
+
+if __name__ == "__main__":
+    unittest.main()
