@@ -43,7 +43,7 @@ void start_interrupts() {
   set_priority(Irq::otg_fs, 3);
   set_systick_priority(3);
   for (const Irq irq : {Irq::tim2, Irq::tim5, Irq::exti4, Irq::exti9_5, Irq::adc, Irq::dma2_stream0,
-                        Irq::dma1_stream6}) {
+                        Irq::dma1_stream6, Irq::otg_fs}) {
     enable(irq);
   }
   systick().RVR = core_hz / 1000 - 1;
