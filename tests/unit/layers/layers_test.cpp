@@ -28,6 +28,7 @@ const std::map<std::string, std::set<std::string>> allowed = {
     {"host/toml", {"host/errors"}},
     {"host/optics", {"host/errors"}},
     {"host/brdf", {"host/errors", "host/optics"}},
+    {"host/trace", {"host/errors", "host/parallel", "host/optics", "host/brdf"}},
     {"host/formats", {"host/errors", "host/optics", "host/brdf"}},
     {"host/instrument", {"host/errors", "protocol"}},
     {"host/scan",
