@@ -267,6 +267,10 @@ Geometry::~Geometry() {
   rtcReleaseScene(embree_);
 }
 
+double Geometry::head_start() const {
+  return single_precision * extent_;
+}
+
 std::optional<Hit> Geometry::nearest(const Vec3& origin, const Vec3& direction,
                                      double limit) const {
   Search search;
@@ -275,7 +279,7 @@ std::optional<Hit> Geometry::nearest(const Vec3& origin, const Vec3& direction,
   search.direction = direction;
   search.nearest = std::min(limit, far_away);
   search.extent = extent_;
-  const Vec3 start = origin - (single_precision * extent_) * direction;
+  const Vec3 start = origin - head_start() * direction;
   RTCRayHit rayhit;
   rayhit.ray.org_x = static_cast<float>(start.x);
   rayhit.ray.org_y = static_cast<float>(start.y);
@@ -292,6 +296,10 @@ std::optional<Hit> Geometry::nearest(const Vec3& origin, const Vec3& direction,
   rayhit.ray.flags = 0;
   rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  if (record_ != nullptr) {
+    const RTCRay& r = rayhit.ray;
+    record_->push_back({{r.org_x, r.org_y, r.org_z}, {r.dir_x, r.dir_y, r.dir_z}, r.tfar});
+  }
   rtcIntersect1(embree_, &search.embree, &rayhit);
   if (search.owner == nullptr) return std::nullopt;
 

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "host/trace/scene.hpp"
 
@@ -37,8 +38,16 @@ class Geometry {
 
   double top() const { return top_; }        ///< no face is higher
   double bottom() const { return bottom_; }  ///< no face is lower
-  /// Embree's own scene, for measurements of its speed.
-  RTCSceneTy* embree() const { return embree_; }
+
+  /// A ray as Embree gets it.
+  struct SingleRay {
+    float origin[3], direction[3], limit;
+  };
+  /// From now on every ray is also written down, for measurements of speed; one thread only.
+  /// Nothing: no longer.
+  void record(std::vector<SingleRay>* rays) { record_ = rays; }
+  /// How far before its start Embree begins a ray.
+  double head_start() const;
 
  private:
   struct Face;
@@ -51,6 +60,7 @@ class Geometry {
   double top_ = 0.0;
   double bottom_ = 0.0;
   double extent_ = 0.0;
+  std::vector<SingleRay>* record_ = nullptr;
 };
 
 }  // namespace umov::trace
