@@ -115,8 +115,14 @@ void Scene::add_height_field(std::size_t nx, std::size_t ny, const std::vector<d
     for (std::size_t column = 0; column + 1 < columns; ++column) {
       const auto a = static_cast<std::uint32_t>(row * columns + column);
       const auto above = a + static_cast<std::uint32_t>(columns);
-      mesh.faces.push_back({a, a + 1, above + 1});
-      mesh.faces.push_back({a, above + 1, above});
+      // Diagonals in turn: all alike would tie slopes in x to slopes in y.
+      if ((row + column) % 2 == 0) {
+        mesh.faces.push_back({a, a + 1, above + 1});
+        mesh.faces.push_back({a, above + 1, above});
+      } else {
+        mesh.faces.push_back({a, a + 1, above});
+        mesh.faces.push_back({a + 1, above + 1, above});
+      }
     }
   }
   mesh.materials.assign(mesh.faces.size(), material);
