@@ -9,15 +9,17 @@ spine() { /usr/bin/python3 tools/benchmarks/spine.py -o docs/benchmarks.md "$@";
 # A section of spine's page, which spine itself writes anew.
 inversion() { /usr/bin/python3 tools/benchmarks/inversion.py -o docs/benchmarks.md "$@"; }
 sampling() { /usr/bin/python3 tools/benchmarks/sampling.py -o docs/benchmarks_sampling.md "$@"; }
+trace() { /usr/bin/python3 tools/benchmarks/trace.py -o docs/benchmarks_trace.md "$@"; }
 
 controller() { /usr/bin/python3 tools/benchmarks/controller.py -o docs/benchmarks_controller.md "$@"; }
 
 case "$name" in
-  all) spine; inversion; sampling; controller ;;
+  all) spine; inversion; sampling; controller; trace ;;
   spine) spine "$@"; inversion ;;
   inversion) inversion "$@" ;;
   starts) inversion --rivals 1 "$@" ;;
   sampling) sampling "$@" ;;
   controller) controller "$@" ;;
-  *) echo "dev: there is no benchmark '$name'; there are spine, inversion, starts, sampling, controller" >&2; exit 2 ;;
+  trace) trace "$@" ;;
+  *) echo "dev: there is no benchmark '$name'; there are spine, inversion, starts, sampling, controller, trace" >&2; exit 2 ;;
 esac

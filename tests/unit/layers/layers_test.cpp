@@ -29,6 +29,8 @@ const std::map<std::string, std::set<std::string>> allowed = {
     {"host/toml", {"host/errors"}},
     {"host/optics", {"host/errors"}},
     {"host/brdf", {"host/errors", "host/optics"}},
+    {"host/trace", {"host/errors", "host/parallel", "host/optics", "host/brdf"}},
+    {"host/surface", {"host/errors", "host/toml", "host/optics", "host/brdf", "host/trace"}},
     {"host/formats", {"host/errors", "host/optics", "host/brdf"}},
     {"host/instrument", {"host/errors", "protocol"}},
     {"host/scan",

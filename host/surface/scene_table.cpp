@@ -1,0 +1,128 @@
+#include "host/surface/scene_table.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/errors/error.hpp"
+
+namespace umov::surface {
+
+void SceneTable::fail(std::string_view key, const std::string& problem,
+                      const std::string& remedy) const {
+  const toml::node* at = table_.get(key);
+  const auto line = at != nullptr ? at->source().begin.line : table_.source().begin.line;
+  const std::string full = name_.empty() ? std::string(key) : name_ + "." + std::string(key);
+  throw Error(Place{file_, line}, full + " " + problem, remedy);
+}
+
+const toml::node& SceneTable::node(std::string_view key) {
+  known_.emplace(key);
+  const toml::node* found = table_.get(key);
+  if (found == nullptr) fail(key, "is missing", "add it");
+  return *found;
+}
+
+SceneTable SceneTable::table(std::string_view key) {
+  const toml::table* inner = node(key).as_table();
+  if (inner == nullptr) fail(key, "is no table", "write [" + std::string(key) + "]");
+  return {*inner, file_, name_.empty() ? std::string(key) : name_ + "." + std::string(key)};
+}
+
+std::vector<SceneTable> SceneTable::tables(std::string_view key) {
+  known_.emplace(key);
+  std::vector<SceneTable> all;
+  const toml::node* found = table_.get(key);
+  if (found == nullptr) return all;
+  const toml::array* list = found->as_array();
+  if (list == nullptr) {
+    fail(key, "is no list of tables", "write [[" + std::string(key) + "]]");
+  }
+  for (const toml::node& entry : *list) {
+    if (entry.as_table() == nullptr) {
+      fail(key, "is no list of tables", "write [[" + std::string(key) + "]]");
+    }
+    all.emplace_back(*entry.as_table(), file_,
+                     std::string(key) + "[" + std::to_string(all.size()) + "]");
+  }
+  return all;
+}
+
+std::string SceneTable::text(std::string_view key) {
+  const auto value = node(key).value_exact<std::string>();
+  if (!value) fail(key, "is no text", "put it in quotes");
+  return *value;
+}
+
+std::string SceneTable::text(std::string_view key, const std::vector<std::string>& permitted) {
+  std::string value = text(key);
+  if (std::find(permitted.begin(), permitted.end(), value) == permitted.end()) {
+    fail(key, "is '" + value + "'", fmt::format("choose one of: {}", fmt::join(permitted, ", ")));
+  }
+  return value;
+}
+
+double SceneTable::checked(const toml::node& value, std::string_view key, double low,
+                           double high) const {
+  const auto number = value.is_number() ? value.value<double>() : std::nullopt;
+  if (!number) fail(key, "is no number", "give a number");
+  if (!(*number >= low && *number <= high)) {
+    fail(key, fmt::format("= {} is out of range", *number),
+         fmt::format("choose {} to {}", low, high));
+  }
+  return *number;
+}
+
+double SceneTable::number(std::string_view key, double low, double high,
+                          std::optional<double> preset) {
+  known_.emplace(key);
+  if (preset && !has(key)) return *preset;
+  return checked(node(key), key, low, high);
+}
+
+std::vector<double> SceneTable::spectrum(std::string_view key, std::size_t count, double low,
+                                         double high) {
+  const toml::node& value = node(key);
+  const toml::array* list = value.as_array();
+  if (list == nullptr) return std::vector<double>(count, checked(value, key, low, high));
+  if (list->size() != count) {
+    fail(key, fmt::format("has {} values for {} wavelengths", list->size(), count),
+         "give one a wavelength, or one for all");
+  }
+  std::vector<double> values;
+  for (const toml::node& entry : *list) values.push_back(checked(entry, key, low, high));
+  return values;
+}
+
+std::vector<double> SceneTable::numbers(std::string_view key, double low, double high) {
+  const toml::node& value = node(key);
+  std::vector<double> values;
+  if (value.is_table()) {
+    SceneTable range = table(key);
+    const double from = range.number("from", low, high);
+    const double to = range.number("to", from, high);
+    const double step = range.number("step", 1e-6 * high, high);
+    range.refuse_unknown();
+    const double steps = std::floor((to - from) / step + 1e-9);
+    if (steps > 200.0) fail(key, "has more than 200 values", "use a longer step");
+    for (int i = 0; i <= static_cast<int>(steps); ++i) values.push_back(from + i * step);
+  } else if (const toml::array* list = value.as_array()) {
+    for (const toml::node& entry : *list) values.push_back(checked(entry, key, low, high));
+  } else {
+    values.push_back(checked(value, key, low, high));
+  }
+  if (values.empty()) fail(key, "is empty", "give at least one number");
+  return values;
+}
+
+void SceneTable::refuse_unknown() const {
+  for (const auto& [key, value] : table_) {
+    if (!known_.contains(key.str())) {
+      fail(key.str(), "is not known here", fmt::format("known are: {}", fmt::join(known_, ", ")));
+    }
+  }
+}
+
+}  // namespace umov::surface

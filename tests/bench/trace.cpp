@@ -1,0 +1,296 @@
+// Measures the ray engine: how much of Embree's own rate is left when its rays carry polarised
+// light, and how long a hemisphere takes. Prints JSON.
+//
+//   bench_trace rate [LAUNCHES]         against bare Embree, on one thread, processor time
+//   bench_trace hemisphere [LAUNCHES]   1,000 particles, 11 bands, all cores, wall clock
+//
+// Bare Embree gets the very rays of the paths, in their order, in a scene of its own primitives
+// (single precision spheres, triangles without a filter), and starts them behind what this engine
+// begins before their start. Nothing else is done with what it finds.
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "host/errors/error.hpp"
+#include "host/trace/random_stream.hpp"
+#include "host/trace/simulation.hpp"
+
+namespace {
+
+using namespace umov::trace;
+using umov::optics::radians;
+
+double processor_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+std::vector<double> bands(std::size_t count) {
+  std::vector<double> wavelengths;
+  for (std::size_t i = 0; i < count; ++i) {
+    wavelengths.push_back(count == 1 ? 0.55 : 0.4 + 0.05 * static_cast<double>(i));
+  }
+  return wavelengths;
+}
+
+// Spheres that touch the ground and cover 30 % of it, moved at random in a square lattice.
+void strew(Scene& scene, std::size_t side, MaterialId material) {
+  const double cell = 1.0 / static_cast<double>(side);
+  const double radius = cell * std::sqrt(0.3 / umov::optics::pi);
+  const double play = cell - 2.0 * radius;
+  for (std::size_t i = 0; i < side * side; ++i) {
+    const auto u = uniforms(99, i, 0);
+    const double x = static_cast<double>(i % side) * cell + radius + play * u[0];
+    const double y = static_cast<double>(i / side) * cell + radius + play * u[1];
+    scene.spheres.push_back({Vec3(x, y, radius), radius, material});
+  }
+}
+
+std::vector<double> spectrum(const Scene& scene, double value) {
+  return std::vector<double>(scene.wavelengths_um.size(), value);
+}
+
+Scene soil(std::size_t side, std::size_t count) {
+  Scene scene(bands(count));
+  scene.add_plane(0.0, scene.add(Lambertian{spectrum(scene, 0.3)}));
+  strew(scene, side, scene.add(Lambertian{spectrum(scene, 0.5)}));
+  return scene;
+}
+
+Scene drops(std::size_t side, std::size_t count) {
+  Scene scene(bands(count));
+  scene.add_plane(0.0, scene.add(Lambertian{spectrum(scene, 0.04)}));
+  Medium water;
+  for (const double wavelength : scene.wavelengths_um) {
+    water.n.push_back(1.324 + 0.0031 / (wavelength * wavelength));
+    water.kappa.push_back(0.0);
+  }
+  strew(scene, side, scene.add(Interface{vacuum, scene.add(std::move(water))}));
+  return scene;
+}
+
+Scene rough(std::size_t side, std::size_t count) {
+  Scene scene(bands(count));
+  std::vector<double> heights;
+  for (std::size_t i = 0; i < side * side; ++i) {
+    heights.push_back(0.5 * uniforms(98, i, 0)[0] / static_cast<double>(side));
+  }
+  scene.add_height_field(side, side, heights,
+                         scene.add(Conductor{spectrum(scene, 1.2), spectrum(scene, 7.0)}));
+  return scene;
+}
+
+// Counts, so that the compiler cannot leave anything out.
+class Sum : public Collector {
+ public:
+  void collect(const Exit& exit) override { sum += exit.weight[0][0]; }
+  double sum = 0.0;
+};
+
+struct Traced {
+  double seconds;
+  std::uint64_t rays;
+};
+
+Traced trace(const PathTracer& tracer, std::uint64_t launches) {
+  const Scene& scene = tracer.scene();
+  PathTracer::Workspace workspace(tracer);
+  Ledger ledger(scene.wavelengths_um.size());
+  Sum sum;
+  const auto beam = umov::optics::incident_beam(radians(30.0));
+  const double start = processor_seconds();
+  for (std::uint64_t i = 0; i < launches; ++i) {
+    const auto u = uniforms(1, i, 0);
+    tracer.trace(Vec3(u[0] * scene.size_x, u[1] * scene.size_y, tracer.geometry().top() + 1e-3),
+                 beam, 1, i, workspace, sum, ledger);
+  }
+  return {processor_seconds() - start, ledger.rays};
+}
+
+// A scene of Embree's own primitives.
+class Bare {
+ public:
+  Bare(const Scene& scene, double head_start) : device_(rtcNewDevice("threads=1")) {
+    scene_ = rtcNewScene(device_);
+    rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
+    for (const Triangles& mesh : scene.meshes) {
+      RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+      void* vertices = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                               sizeof(mesh.vertices[0]), mesh.vertices.size());
+      void* faces = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                            sizeof(mesh.faces[0]), mesh.faces.size());
+      std::copy(mesh.vertices.begin(), mesh.vertices.end(),
+                static_cast<std::array<float, 3>*>(vertices));
+      std::copy(mesh.faces.begin(), mesh.faces.end(),
+                static_cast<std::array<std::uint32_t, 3>*>(faces));
+      attach(g);
+    }
+    if (!scene.spheres.empty()) {
+      RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+      auto* points = static_cast<std::array<float, 4>*>(
+          rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
+                                  4 * sizeof(float), scene.spheres.size()));
+      for (std::size_t i = 0; i < scene.spheres.size(); ++i) {
+        const Sphere& s = scene.spheres[i];
+        points[i] = {static_cast<float>(s.centre.x), static_cast<float>(s.centre.y),
+                     static_cast<float>(s.centre.z), static_cast<float>(s.radius)};
+      }
+      attach(g);
+    }
+    rtcCommitScene(scene_);
+    near_ = static_cast<float>(2.0 * head_start);
+  }
+  ~Bare() {
+    rtcReleaseScene(scene_);
+    rtcReleaseDevice(device_);
+  }
+  Bare(const Bare&) = delete;
+  Bare& operator=(const Bare&) = delete;
+
+  // Seconds for all rays; the number of hits goes to `hits`.
+  double shoot(const std::vector<Geometry::SingleRay>& rays, std::uint64_t& hits) const {
+    const double start = processor_seconds();
+    for (const Geometry::SingleRay& ray : rays) {
+      RTCIntersectContext context;
+      rtcInitIntersectContext(&context);
+      RTCRayHit r;
+      r.ray.org_x = ray.origin[0];
+      r.ray.org_y = ray.origin[1];
+      r.ray.org_z = ray.origin[2];
+      r.ray.dir_x = ray.direction[0];
+      r.ray.dir_y = ray.direction[1];
+      r.ray.dir_z = ray.direction[2];
+      r.ray.tnear = near_;
+      r.ray.tfar = std::max(near_, ray.limit);
+      r.ray.time = 0.0F;
+      r.ray.mask = ~0U;
+      r.ray.id = 0;
+      r.ray.flags = 0;
+      r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+      r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+      rtcIntersect1(scene_, &context, &r);
+      hits += r.hit.geomID != RTC_INVALID_GEOMETRY_ID ? 1 : 0;
+    }
+    return processor_seconds() - start;
+  }
+
+ private:
+  void attach(RTCGeometry geometry) {
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene_, geometry);
+    rtcReleaseGeometry(geometry);
+  }
+
+  RTCDevice device_;
+  RTCScene scene_;
+  float near_;
+};
+
+nlohmann::json rate(const std::string& name, const Scene& scene, std::uint64_t launches) {
+  const double before = processor_seconds();
+  Geometry geometry(scene);
+  const double build = processor_seconds() - before;
+  const PathTracer tracer(scene, geometry);
+  std::vector<Geometry::SingleRay> rays;
+  geometry.record(&rays);
+  trace(tracer, launches);
+  geometry.record(nullptr);
+  const Bare bare(scene, geometry.head_start());
+  double best = 1e300;
+  double best_bare = 1e300;
+  std::uint64_t hits = 0;
+  for (int run = 0; run < 5; ++run) {  // in turn, so that both meet the same machine
+    best = std::min(best, trace(tracer, launches).seconds);
+    hits = 0;
+    best_bare = std::min(best_bare, bare.shoot(rays, hits));
+  }
+  const double count = static_cast<double>(rays.size());
+  return {{"scene", name},
+          {"wavelengths", scene.wavelengths_um.size()},
+          {"build_s", build},
+          {"rays", rays.size()},
+          {"rays_per_launch", count / static_cast<double>(launches)},
+          {"hit_share_bare", static_cast<double>(hits) / count},
+          {"rays_per_s", count / best},
+          {"bare_rays_per_s", count / best_bare},
+          {"share", best_bare / best}};
+}
+
+nlohmann::json hemisphere(const std::string& name, const Scene& scene, std::uint64_t launches) {
+  const Geometry geometry(scene);
+  const PathTracer tracer(scene, geometry);
+  const Hemisphere cells(18, 180, radians(2.0));
+  Request request;
+  request.theta_i = radians(20.0);
+  request.samples = launches;
+  const auto start = std::chrono::steady_clock::now();
+  const Result result = simulate(tracer, cells, request);
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+  double dhr = 0.0;
+  std::vector<double> errors;
+  for (std::size_t w = 0; w < scene.wavelengths_um.size(); ++w) {
+    const MuellerEstimate all = result.hemispherical(w);
+    dhr = std::max(dhr, all.error[0][0] / all.mean[0][0]);
+    for (std::size_t cell = 0; cell < cells.cells(); ++cell) {
+      const MuellerEstimate e = result.brdf(cell, w);
+      errors.push_back(e.mean[0][0] > 0.0 ? e.error[0][0] / e.mean[0][0] : 1e3);
+    }
+  }
+  std::sort(errors.begin(), errors.end());
+  const double median = errors[errors.size() / 2];
+  const Ledger& ledger = result.ledger();
+  return {{"scene", name},
+          {"launches", result.samples()},
+          {"wall_s", taken.count()},
+          {"dhr_relative_error", dhr},
+          {"cell_relative_error_median", median},
+          {"wall_s_to_dhr_1_percent", taken.count() * dhr * dhr / 1e-4},
+          {"wall_s_to_cells_3_percent", taken.count() * median * median / 9e-4},
+          {"lost_share", ledger.lost[0] / ledger.launched[0]}};
+}
+
+int run(const std::string& what, std::uint64_t launches) {
+  nlohmann::json rows = nlohmann::json::array();
+  if (what == "rate") {
+    for (const std::size_t count : {std::size_t{1}, std::size_t{11}}) {
+      rows.push_back(rate("soil, 100 spheres", soil(10, count), launches));
+      rows.push_back(rate("soil, 1,024 spheres", soil(32, count), launches));
+      rows.push_back(rate("soil, 10⁴ spheres", soil(100, count), launches));
+      if (count == 1) {
+        rows.push_back(rate("soil, 10⁵ spheres", soil(316, count), launches));
+        rows.push_back(rate("soil, 10⁶ spheres", soil(1000, count), launches));
+      }
+      rows.push_back(rate("drops of 180°, 1,024", drops(32, count), launches));
+      rows.push_back(rate("rough metal, 131,072 triangles", rough(256, count), launches));
+    }
+  } else if (what == "hemisphere") {
+    rows.push_back(hemisphere("soil, 1,024 spheres", soil(32, 11), launches));
+    rows.push_back(hemisphere("drops of 180°, 1,024", drops(32, 11), launches));
+  } else {
+    return 2;
+  }
+  std::puts(rows.dump(1).c_str());
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string what = argc > 1 ? argv[1] : "";
+  const long launches = argc > 2 ? std::atol(argv[2]) : 300'000;
+  if (launches < 1 || run(what, static_cast<std::uint64_t>(launches)) != 0) {
+    std::fputs("bench_trace rate|hemisphere [LAUNCHES]\n", stderr);
+    return 2;
+  }
+  return 0;
+}

@@ -1,0 +1,260 @@
+// The hemisphere of a scene: cells, errors, threads, reciprocity.
+#include "host/trace/simulation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "host/brdf/evaluate.hpp"
+#include "host/errors/error.hpp"
+#include "tests/unit/trace/scenes.hpp"
+
+namespace umov::trace {
+namespace {
+
+using optics::element;
+using optics::Mueller;
+using optics::pi;
+using optics::radians;
+
+TEST(Hemisphere, CellsShareTheSolidAngleAndEveryDirectionHasItsCell) {
+  for (const std::size_t rings : {1u, 2u, 18u, 45u}) {
+    const Hemisphere hemisphere(rings, 180, radians(1.5));
+    double projected = 0.0;
+    for (std::size_t i = 0; i < hemisphere.cells(); ++i) {
+      const Cell cell = hemisphere.cell(i);
+      EXPECT_NEAR(cell.solid_angle, 2.0 * pi / static_cast<double>(hemisphere.cells()), 1e-12);
+      projected += cell.projected;
+      const double theta = 0.5 * (cell.theta_low + cell.theta_high);
+      for (const double part : {0.01, 0.5, 0.99}) {
+        const double phi = cell.phi_low + part * (cell.phi_high - cell.phi_low);
+        EXPECT_EQ(hemisphere.find(optics::exit_direction(theta, phi)), i);
+      }
+    }
+    EXPECT_NEAR(projected, pi, 1e-9);
+    double strip = 0.0;
+    for (std::size_t i = hemisphere.cells(); i < hemisphere.size(); ++i) {
+      const Cell cell = hemisphere.cell(i);
+      strip += cell.projected;
+      const double theta = 0.5 * (cell.theta_low + cell.theta_high);
+      EXPECT_EQ(hemisphere.find_in_strip(optics::exit_direction(theta, 0.0)), i);
+    }
+    EXPECT_NEAR(strip, 2.0 * (radians(1.5) + std::sin(radians(1.5)) * std::cos(radians(1.5))),
+                1e-9);
+    EXPECT_FALSE(hemisphere.find_in_strip(optics::exit_direction(0.5, 0.5)));
+  }
+  EXPECT_EQ(Hemisphere(18, 0, 0.0).cells(), 827u);
+  EXPECT_THROW(Hemisphere(0, 0, 0.0), Error);
+}
+
+// A wet, dirty ground: everything that bounces.
+Scene mixture() {
+  Scene scene({0.45, 0.65});
+  const MediumId wet = scene.add(Medium{{1.34, 1.33}, {0.0, 0.0}});
+  const MaterialId skin = scene.add(Interface{vacuum, wet});
+  scene.add_plane(0.0, scene.add(Lambertian{{0.3, 0.5}}));
+  scene.spheres.push_back({Vec3(0.25, 0.3, 0.2), 0.2, skin});
+  scene.spheres.push_back({Vec3(0.65, 0.3, 0.1), 0.2, skin, 0.0});
+  scene.spheres.push_back(
+      {Vec3(0.3, 0.72, 0.2), 0.2, scene.add(Conductor{{1.2, 1.4}, {5.0, 6.0}})});
+  scene.spheres.push_back({Vec3(0.7, 0.75, 0.2), 0.2, scene.add(Lambertian{{0.9, 0.4}})});
+  return scene;
+}
+
+TEST(Simulation, IsTheSameToTheLastBitForAnyNumberOfThreads) {
+  const Scene scene = mixture();
+  const Geometry geometry(scene);
+  const PathTracer tracer(scene, geometry);
+  const Hemisphere hemisphere(6, 36, radians(3.0));
+  Request request;
+  request.theta_i = radians(40.0);
+  request.samples = 8000;
+  request.block = 250;
+  request.threads = 1;
+  const Result one = simulate(tracer, hemisphere, request);
+  for (const int threads : {2, 5}) {
+    request.threads = threads;
+    const Result many = simulate(tracer, hemisphere, request);
+    for (std::size_t cell = 0; cell < hemisphere.size(); ++cell) {
+      for (std::size_t w = 0; w < 2; ++w) {
+        ASSERT_EQ(one.brdf(cell, w).mean, many.brdf(cell, w).mean);
+        ASSERT_EQ(one.brdf(cell, w).error, many.brdf(cell, w).error);
+      }
+    }
+    EXPECT_EQ(one.hemispherical(0).mean, many.hemispherical(0).mean);
+    EXPECT_EQ(one.ledger().rays, many.ledger().rays);
+  }
+  request.seed = 2;
+  EXPECT_NE(one.hemispherical(0).mean, simulate(tracer, hemisphere, request).hemispherical(0).mean);
+}
+
+// Mean of a model's BRDF over a cell, weighted by cos θ; `strip` cells are not asked for here.
+Mueller<double> over_cell(const brdf::Model& model, const std::vector<double>& values,
+                          double theta_i, const Cell& cell) {
+  constexpr int points = 8;
+  Mueller<double> sum(0.0);
+  const double low = std::pow(std::sin(cell.theta_low), 2);
+  const double high = std::pow(std::sin(cell.theta_high), 2);
+  for (int i = 0; i < points; ++i) {
+    const double theta = std::asin(std::sqrt(low + (i + 0.5) / points * (high - low)));
+    for (int j = 0; j < points; ++j) {
+      const double phi = cell.phi_low + (j + 0.5) / points * (cell.phi_high - cell.phi_low);
+      sum +=
+          brdf::evaluate<double>(model, values, 0.633, brdf::Geometry<double>{theta_i, theta, phi});
+    }
+  }
+  return sum / (1.0 * points * points);
+}
+
+TEST(Simulation, GivesAModelledFaceItsModelInEveryCellAndElement) {
+  const brdf::Model model = brdf::Model::by_name("microfacet+lambertian");
+  const std::vector<double> values{1.5, 0.3, 0.3, 1.0, 0.2};
+  ASSERT_EQ(model.parameters().size(), values.size());
+  Scene scene({0.633});
+  scene.add_plane(0.0, scene.add(Modelled{brdf::Sampler(model, values, 0.633)}));
+  const Geometry geometry(scene);
+  const PathTracer tracer(scene, geometry);
+  const Hemisphere hemisphere(8, 0, 0.0);
+  Request request;
+  request.theta_i = radians(50.0);
+  request.samples = 400'000;
+  const Result result = simulate(tracer, hemisphere, request);
+  double chi2 = 0.0;
+  int count = 0;
+  for (std::size_t cell = 0; cell < hemisphere.cells(); ++cell) {
+    const Mueller<double> expected =
+        over_cell(model, values, request.theta_i, hemisphere.cell(cell));
+    const MuellerEstimate found = result.brdf(cell, 0);
+    for (int i = 0; i < 16; ++i) {
+      const double error = element(found.error, i / 4, i % 4);
+      if (!(error > 1e-4 * expected[0][0])) continue;  // elements that are always 0
+      const double z =
+          (element(found.mean, i / 4, i % 4) - element(expected, i / 4, i % 4)) / error;
+      chi2 += z * z;
+      ++count;
+      EXPECT_LT(std::abs(z), 5.5) << "cell " << cell << " element " << i / 4 << i % 4;
+    }
+  }
+  EXPECT_GT(count, 1200);
+  // Elements of a cell go together, so the scatter of this mean is wider than that of χ².
+  EXPECT_NEAR(chi2 / count, 1.0, 0.15);
+}
+
+TEST(Simulation, ErrorsCoverTheTruthOfAWhiteGround) {
+  Scene scene({0.5, 0.6});
+  scene.add_plane(0.0, scene.add(Lambertian{{1.0, 0.25}}));
+  const Geometry geometry(scene);
+  const PathTracer tracer(scene, geometry);
+  const Hemisphere hemisphere(18, 90, radians(2.0));
+  Request request;
+  request.samples = 200'000;
+  const Result result = simulate(tracer, hemisphere, request);
+  EXPECT_NEAR(result.hemispherical(0).mean[0][0], 1.0, 1e-12);
+  EXPECT_NEAR(result.hemispherical(1).mean[0][0], 0.25, 1e-12);
+  double chi2 = 0.0;
+  int beyond = 0;
+  for (std::size_t cell = 0; cell < hemisphere.cells(); ++cell) {
+    const MuellerEstimate e = result.brdf(cell, 1);
+    const double z = (e.mean[0][0] - 0.25 / pi) / e.error[0][0];
+    chi2 += z * z;
+    beyond += std::abs(z) > 1.96 ? 1 : 0;
+  }
+  const double n = static_cast<double>(hemisphere.cells());
+  // 4 σ of a binomial; small cells see few exits, whose distribution has tails.
+  EXPECT_NEAR(beyond / n, 0.05, 4.0 * std::sqrt(0.05 * 0.95 / n) + 0.01);
+  EXPECT_NEAR(chi2 / n, 1.0, 0.25);
+}
+
+TEST(Simulation, StopsAtTheErrorAskedFor) {
+  const Scene scene = mixture();
+  const Geometry geometry(scene);
+  const PathTracer tracer(scene, geometry);
+  Request request;
+  request.block = 256;
+  request.samples = 10'000'000;
+  request.dhr_relative_error = 0.01;
+  int reports = 0;
+  request.progress = [&](const Progress& p) {
+    ++reports;
+    EXPECT_EQ(p.samples, static_cast<std::uint64_t>(reports) * 16 * 256);
+  };
+  const Result result = simulate(tracer, Hemisphere(3, 0, 0.0), request);
+  EXPECT_LT(result.samples(), 100'000u);
+  EXPECT_LE(result.hemispherical(0).error[0][0], 0.01 * result.hemispherical(0).mean[0][0]);
+  const Estimate dop = result.hemispherical_dop(0);
+  EXPECT_GT(dop.error, 0.0);
+  EXPECT_LT(std::abs(dop.mean), 0.2);
+  request.theta_i = 0.5 * pi;
+  EXPECT_THROW(simulate(tracer, Hemisphere(3, 0, 0.0), request), Error);
+}
+
+// Directions between two polar angles and two azimuths.
+struct Bundle {
+  double theta_low, theta_high, phi_low, phi_high;  // degrees
+
+  double sine2(double degrees) const { return std::pow(std::sin(radians(degrees)), 2); }
+  double projected() const {
+    return 0.5 * radians(phi_high - phi_low) * (sine2(theta_high) - sine2(theta_low));
+  }
+  Vec3 draw(double u, double v) const {
+    const double theta =
+        std::asin(std::sqrt(sine2(theta_low) + u * (sine2(theta_high) - sine2(theta_low))));
+    return optics::exit_direction(theta, radians(phi_low + v * (phi_high - phi_low)));
+  }
+  bool holds(const Vec3& d) const {
+    const double theta = optics::degrees(std::acos(d.z));
+    const double phi = optics::degrees(std::atan2(d.y, d.x));
+    return theta > theta_low && theta < theta_high && phi > phi_low && phi < phi_high;
+  }
+};
+
+TEST(Reciprocity, HoldsForEveryElementOfASceneWithoutSymmetry) {
+  // ∬ f cos θi cos θr over two bundles, light going from one to the other and back. Reversing a
+  // beam turns s and k round: U changes sign.
+  const Bundle here{10.0, 45.0, -20.0, 60.0};
+  const Bundle there{35.0, 70.0, 70.0, 160.0};
+  const Scene scene = mixture();
+  const Geometry geometry(scene);
+  const PathTracer tracer(scene, geometry);
+  PathTracer::Workspace workspace(tracer);
+  const auto transport = [&](const Bundle& from, const Bundle& to, std::uint64_t seed) {
+    std::array<test::Mean, 16> means;
+    Mueller<double> sum(0.0);
+    Ledger ledger(2);
+    test::Each collector([&](const Exit& exit) {
+      if (exit.wavelength == 1 && exit.direction.z > 0.0 && to.holds(exit.direction)) {
+        sum += exit.weight;
+      }
+    });
+    for (std::uint64_t i = 0; i < 120'000; ++i) {
+      const auto u = uniforms(seed, i, 0);
+      tracer.trace(Vec3(u[0], u[1], geometry.top() + 0.01),
+                   optics::beam_along(-from.draw(u[2], u[3])), seed, i, workspace, collector,
+                   ledger);
+      for (int e = 0; e < 16; ++e) {
+        means[static_cast<std::size_t>(e)].add(element(sum, e / 4, e % 4) * from.projected());
+      }
+      sum = Mueller<double>(0.0);
+    }
+    return means;
+  };
+  const auto forth = transport(here, there, 21);
+  const auto back = transport(there, here, 22);
+  const double sign[4] = {1, 1, -1, 1};
+  double polarised = 0.0;
+  for (std::size_t r = 0; r < 4; ++r) {
+    for (std::size_t c = 0; c < 4; ++c) {
+      const test::Mean& a = forth[4 * r + c];
+      const test::Mean& b = back[4 * c + r];
+      EXPECT_NEAR(a.value(), sign[r] * sign[c] * b.value(), 4.0 * std::hypot(a.error(), b.error()))
+          << "element " << r << c;
+      if (r + c > 0) polarised = std::max(polarised, std::abs(a.value()) / a.error());
+    }
+  }
+  EXPECT_LT(forth[0].error(), 0.03 * forth[0].value());
+  EXPECT_GT(polarised, 10.0) << "the scene must polarise for this to mean something";
+}
+
+}  // namespace
+}  // namespace umov::trace
