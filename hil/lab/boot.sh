@@ -28,7 +28,7 @@ mkdir -p "$work/results"
 # The stock kernel: unpacked from Debian's package, which is not installed. A second run finds it.
 kernel=$(find "$work" -maxdepth 4 -path '*/boot/vmlinuz-*' 2>/dev/null | sort -V | tail -n 1)
 if [[ -z $kernel ]]; then
-  package=$(apt-cache depends linux-image-amd64 2>/dev/null | sed -n 's/^ *Depends: *//p' | head -n 1)
+  package=$(apt-cache depends linux-image-amd64 2>/dev/null | sed -n 's/^ *Depends: *//p' | head -n 1) || true
   [[ -n $package ]] || skip "apt knows no linux-image-amd64 (apt-get update?)"
   mkdir -p "$work/package"
   (cd "$work/package" && apt-get -qq -o APT::Sandbox::User=root download "$package" >/dev/null 2>&1) ||
@@ -37,7 +37,8 @@ if [[ -z $kernel ]]; then
   mkdir "$work/kernel.new"
   mapfile -t wanted < <(sed '/^#/d; s|.*|*/&.ko*|' "$here/modules.txt")
   dpkg-deb --fsys-tarfile "$work"/package/"$package"_*.deb |
-    tar -x -C "$work/kernel.new" --wildcards '*/boot/vmlinuz-*' "${wanted[@]}"
+    tar -x -C "$work/kernel.new" --wildcards '*/boot/vmlinuz-*' "${wanted[@]}" ||
+    skip "the package $package can't be unpacked, or lacks a module of $here/modules.txt"
   rm -rf "$work/package"
   mv "$work/kernel.new" "$work/kernel"
   kernel=$(find "$work/kernel/boot" -name 'vmlinuz-*')
