@@ -35,5 +35,6 @@ void add_export_command(CLI::App& root, const Common& common);
 void add_device_command(CLI::App& root, const Common& common);
 void add_study_command(CLI::App& root, const Common& common);
 void add_blind_command(CLI::App& root, const Common& common);
+void add_simulate_command(CLI::App& root, const Common& common);
 
 }  // namespace umov::cli

@@ -62,6 +62,7 @@ int main(int argc, char** argv) {
   add_device_command(app, common);
   add_study_command(app, common);
   add_blind_command(app, common);
+  add_simulate_command(app, common);
 
   try {
     app.parse(argc, argv);

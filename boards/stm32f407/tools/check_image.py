@@ -31,7 +31,7 @@ APPLICATION = r"UsbApplication::"
 # Who calls through a pointer or a virtual function, and what: the interfaces of firmware/core and what
 # this board makes of them. The first that fits the caller counts.
 POINTERS = [
-    (r"usb::LinkSwitch::(write|start|stop|on_sent|on_halt_cleared)\(|usb::LinkPipe::", PORT),
+    (r"usb::LinkSwitch::(write|send|start|stop|on_sent|on_halt_cleared)\(|usb::LinkPipe::", PORT),
     (r"usb::(Device|LinkSwitch)::", f"{PORT}|{APPLICATION}"),
     (r"usb::ControlPipe::", f"{PORT}|non-virtual thunk to .*usb::Device::on_(request|data|complete)"),
     (r"stm32f407::UsbPort::", r"^umov::firmware::usb::Device::on_(reset|suspend|resume|setup|sent|received)\("),
