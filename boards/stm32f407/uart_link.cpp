@@ -52,8 +52,11 @@ std::size_t UartLink::received_end() const {
 
 bool UartLink::write(std::span<const std::uint8_t> bytes) {
   if (bytes.size() > room()) return false;
-  for (const std::uint8_t byte : bytes) sent_[head_++ % sent_.size()] = byte;
+  // The interrupt sends up to the head: it moves on when all bytes are there.
+  std::uint32_t head = head_;
+  for (const std::uint8_t byte : bytes) sent_[head++ % sent_.size()] = byte;
   const CriticalSection alone;
+  head_ = head;
   if (flying_ == 0) send_next();
   return true;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <memory>
 #include <vector>
 
 #include "host/instrument/libusb_handles.hpp"
@@ -31,7 +32,9 @@ class UsbTransport final : public Transport {
   UsbTransport(UsbContext context, UsbHandle handle, std::string name)
       : context_(std::move(context)), handle_(std::move(handle)), name_(std::move(name)) {
     tell_presence(1);
-    for (Read& read : reads_) {
+    for (auto& slot : reads_) {
+      slot = std::make_unique<Read>();
+      Read& read = *slot;
       read.transfer = libusb_alloc_transfer(0);
       read.owner = this;
       libusb_fill_bulk_transfer(read.transfer, handle_.get(), usb::bulk_in, read.bytes.data(),
@@ -44,13 +47,22 @@ class UsbTransport final : public Transport {
 
   ~UsbTransport() override {
     closing_ = true;  // a read that has ended already must not begin anew
-    for (Read& read : reads_) {
-      if (read.in_flight) libusb_cancel_transfer(read.transfer);
+    for (const auto& read : reads_) {
+      if (read->in_flight) libusb_cancel_transfer(read->transfer);
     }
-    while (std::any_of(reads_.begin(), reads_.end(), [](const Read& r) { return r.in_flight; })) {
-      if (libusb_handle_events(context_.get()) != 0) break;
+    const auto flying = [](const auto& read) { return read->in_flight; };
+    while (std::any_of(reads_.begin(), reads_.end(), flying)) {
+      const int code = libusb_handle_events(context_.get());
+      if (code != 0 && code != LIBUSB_ERROR_INTERRUPTED) break;
     }
-    for (Read& read : reads_) libusb_free_transfer(read.transfer);
+    for (auto& read : reads_) {
+      if (!read->in_flight) {
+        libusb_free_transfer(read->transfer);
+      } else {
+        // It never came back and is still the library's: better lost than freed under it.
+        (void)read.release();
+      }
+    }
     if (lost_.empty()) tell_presence(0);
     libusb_release_interface(handle_.get(), usb::interface::bulk);
   }
@@ -182,7 +194,7 @@ class UsbTransport final : public Transport {
   UsbHandle handle_;
   std::string name_;
   WallClock clock_;
-  std::array<Read, reads_in_flight> reads_{};
+  std::array<std::unique_ptr<Read>, reads_in_flight> reads_;
   std::vector<std::uint8_t> received_;  ///< emptied when all of it is taken
   std::size_t taken_ = 0;
   int news_ = 0;
