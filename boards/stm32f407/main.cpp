@@ -53,14 +53,8 @@ void start_interrupts() {
 
 /// The chip's 96-bit number as 24 hexadecimal digits.
 std::array<char, 24> chip_serial() {
-  constexpr std::string_view digits = "0123456789ABCDEF";
-  const auto* id = reinterpret_cast<const volatile std::uint8_t*>(memory_map::unique_id);
-  std::array<char, 24> text;
-  for (std::size_t i = 0; i < 12; ++i) {
-    text[2 * i] = digits[id[11 - i] >> 4];
-    text[2 * i + 1] = digits[id[11 - i] & 15];
-  }
-  return text;
+  const auto* id = reinterpret_cast<const volatile std::uint32_t*>(memory_map::unique_id);
+  return firmware::usb::serial_of_chip({id[0], id[1], id[2]});
 }
 
 firmware::Identity identity(firmware::ResetCause cause, std::uint32_t boot_id) {

@@ -40,8 +40,9 @@ POINTERS = [
     (r"^reset_handler$", r"_GLOBAL__sub_I|static_initialization"),
 ]
 FORBIDDEN = ["malloc", "calloc", "realloc", "free", "_Znwj", "_Znaj", "_ZdlPv", "_ZdlPvj", "_sbrk",
-             "__cxa_throw", "__cxa_allocate_exception", "_Unwind_Resume", "__cxa_guard_acquire",
-             "__aeabi_fadd", "__aeabi_fmul", "__aeabi_dadd", "__aeabi_dmul", "__aeabi_ddiv", "__aeabi_i2d"]
+             "__cxa_throw", "__cxa_allocate_exception", "_Unwind_Resume", "__cxa_guard_acquire"]
+# Arithmetic in floating point, and conversions to it and from it.
+FLOATING_POINT = re.compile(r"__aeabi_([fd]|c[fd]|u?[il]2[fd])")
 
 
 def fail(text):
@@ -86,8 +87,8 @@ def main():
         parser.add_argument(name, required=True)
     arguments = parser.parse_args()
     linked = symbols(arguments.nm, arguments.elf)
-    for name in FORBIDDEN:
-        if name in linked:
+    for name in linked:
+        if name in FORBIDDEN or FLOATING_POINT.match(name):
             fail(f"refers to {name}: no heap, exceptions or floating point")
 
     frames, calls = call_graph(arguments.objects, linked)

@@ -13,6 +13,7 @@
 
 #include "hil/plant/parameter_list.hpp"
 #include "hil/plant/sample_catalog.hpp"
+#include "host/cli/emulator/board_transport.hpp"
 
 namespace umov::emulator {
 namespace {
@@ -67,37 +68,6 @@ std::string text_of_file(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-class EmbeddedTransport : public instrument::Transport {
- public:
-  explicit EmbeddedTransport(std::shared_ptr<EmulatedInstrument> instrument)
-      : instrument_(std::move(instrument)) {}
-
-  void write(std::span<const std::uint8_t> bytes) override { instrument_->board().deliver(bytes); }
-
-  std::size_t read(std::span<std::uint8_t> buffer, std::chrono::microseconds timeout) override {
-    auto& board = instrument_->board();
-    if (used_ == output_.size()) {
-      output_.clear();
-      used_ = 0;
-      board.run_until_output(
-          static_cast<std::uint64_t>(std::max<std::int64_t>(timeout.count(), 1)));
-      board.take_output(output_);
-    }
-    const std::size_t n = std::min(buffer.size(), output_.size() - used_);
-    std::copy_n(output_.begin() + static_cast<std::ptrdiff_t>(used_), n, buffer.begin());
-    used_ += n;
-    return n;
-  }
-
-  std::uint64_t clock_us() override { return instrument_->board().now_us(); }
-  std::string name() const override { return "emulator"; }
-
- private:
-  std::shared_ptr<EmulatedInstrument> instrument_;
-  std::vector<std::uint8_t> output_;
-  std::size_t used_ = 0;
-};
-
 }  // namespace
 
 std::string bench_serial(const BenchOptions& options) {
@@ -142,7 +112,7 @@ std::unique_ptr<instrument::Transport> make_embedded(const BenchOptions& options
 
 std::unique_ptr<instrument::Transport> connect_embedded(
     std::shared_ptr<EmulatedInstrument> instrument) {
-  return std::make_unique<EmbeddedTransport>(std::move(instrument));
+  return std::make_unique<BoardTransport<EmulatedInstrument>>(std::move(instrument), "emulator");
 }
 
 }  // namespace umov::emulator

@@ -9,6 +9,7 @@
 #include "host/errors/error.hpp"
 #include "host/surface/gaussian_heights.hpp"
 #include "host/trace/hemisphere.hpp"
+#include "tests/unit/trace/over_cell.hpp"
 #include "tests/unit/trace/scenes.hpp"
 
 namespace umov::surface {
@@ -42,24 +43,6 @@ TEST(GaussianHeights, HaveTheCorrelationAndSlopeAskedFor) {
   EXPECT_THROW(gaussian_heights(side, 1.0, 2.0 / side, 0.2, 5), Error);
   EXPECT_THROW(gaussian_heights(side, 1.0, 0.2, 0.2, 5), Error);
   EXPECT_THROW(gaussian_heights(side, 1.0, 0.1, 4.0, 5), Error);
-}
-
-// Mean of the model over a cell, weighted by cos θ.
-Mueller<double> over_cell(const brdf::Model& model, const std::vector<double>& values,
-                          double theta_i, const Cell& cell) {
-  constexpr int points = 24;
-  Mueller<double> sum(0.0);
-  const double low = std::pow(std::sin(cell.theta_low), 2);
-  const double high = std::pow(std::sin(cell.theta_high), 2);
-  for (int i = 0; i < points; ++i) {
-    const double theta = std::asin(std::sqrt(low + (i + 0.5) / points * (high - low)));
-    for (int j = 0; j < points; ++j) {
-      const double phi = cell.phi_low + (j + 0.5) / points * (cell.phi_high - cell.phi_low);
-      sum +=
-          brdf::evaluate<double>(model, values, 0.6, brdf::Geometry<double>{theta_i, theta, phi});
-    }
-  }
-  return sum / (1.0 * points * points);
 }
 
 TEST(GaussianSurface, InSingleBounceIsTheMicrofacetModel) {
@@ -104,7 +87,7 @@ TEST(GaussianSurface, InSingleBounceIsTheMicrofacetModel) {
     for (std::size_t i = 0; i < hemisphere.cells(); ++i) {
       const Cell cell = hemisphere.cell(i);
       if (cell.theta_high > radians(61.0)) continue;
-      const Mueller<double> expected = over_cell(model, values, theta_i, cell);
+      const Mueller<double> expected = trace::over_cell(model, values, 0.6, theta_i, cell, 24);
       expected_all += expected[0][0] * cell.projected;
       if (expected[0][0] < 0.05) continue;
       for (int e = 0; e < 16; ++e) {

@@ -8,6 +8,7 @@
 
 #include "host/brdf/evaluate.hpp"
 #include "host/errors/error.hpp"
+#include "tests/unit/trace/over_cell.hpp"
 #include "tests/unit/trace/scenes.hpp"
 
 namespace umov::trace {
@@ -89,24 +90,6 @@ TEST(Simulation, IsTheSameToTheLastBitForAnyNumberOfThreads) {
   EXPECT_NE(one.hemispherical(0).mean, simulate(tracer, hemisphere, request).hemispherical(0).mean);
 }
 
-// Mean of a model's BRDF over a cell, weighted by cos θ; `strip` cells are not asked for here.
-Mueller<double> over_cell(const brdf::Model& model, const std::vector<double>& values,
-                          double theta_i, const Cell& cell) {
-  constexpr int points = 8;
-  Mueller<double> sum(0.0);
-  const double low = std::pow(std::sin(cell.theta_low), 2);
-  const double high = std::pow(std::sin(cell.theta_high), 2);
-  for (int i = 0; i < points; ++i) {
-    const double theta = std::asin(std::sqrt(low + (i + 0.5) / points * (high - low)));
-    for (int j = 0; j < points; ++j) {
-      const double phi = cell.phi_low + (j + 0.5) / points * (cell.phi_high - cell.phi_low);
-      sum +=
-          brdf::evaluate<double>(model, values, 0.633, brdf::Geometry<double>{theta_i, theta, phi});
-    }
-  }
-  return sum / (1.0 * points * points);
-}
-
 TEST(Simulation, GivesAModelledFaceItsModelInEveryCellAndElement) {
   const brdf::Model model = brdf::Model::by_name("microfacet+lambertian");
   const std::vector<double> values{1.5, 0.3, 0.3, 1.0, 0.2};
@@ -124,7 +107,7 @@ TEST(Simulation, GivesAModelledFaceItsModelInEveryCellAndElement) {
   int count = 0;
   for (std::size_t cell = 0; cell < hemisphere.cells(); ++cell) {
     const Mueller<double> expected =
-        over_cell(model, values, request.theta_i, hemisphere.cell(cell));
+        over_cell(model, values, 0.633, request.theta_i, hemisphere.cell(cell), 8);
     const MuellerEstimate found = result.brdf(cell, 0);
     for (int i = 0; i < 16; ++i) {
       const double error = element(found.error, i / 4, i % 4);

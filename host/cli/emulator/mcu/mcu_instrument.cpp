@@ -1,8 +1,8 @@
 #include "host/cli/emulator/mcu/mcu_instrument.hpp"
 
-#include <algorithm>
 #include <utility>
-#include <vector>
+
+#include "host/cli/emulator/board_transport.hpp"
 
 namespace umov::emulator {
 namespace {
@@ -36,37 +36,6 @@ class Wiring : public mcu::Bench {
   plant::Plant* plant_;
 };
 
-class SerialTransport : public instrument::Transport {
- public:
-  explicit SerialTransport(std::shared_ptr<McuInstrument> instrument)
-      : instrument_(std::move(instrument)) {}
-
-  void write(std::span<const std::uint8_t> bytes) override { instrument_->board().deliver(bytes); }
-
-  std::size_t read(std::span<std::uint8_t> buffer, std::chrono::microseconds timeout) override {
-    auto& board = instrument_->board();
-    if (used_ == output_.size()) {
-      output_.clear();
-      used_ = 0;
-      board.run_until_output(
-          static_cast<std::uint64_t>(std::max<std::int64_t>(timeout.count(), 1)));
-      board.take_output(output_);
-    }
-    const std::size_t n = std::min(buffer.size(), output_.size() - used_);
-    std::copy_n(output_.begin() + static_cast<std::ptrdiff_t>(used_), n, buffer.begin());
-    used_ += n;
-    return n;
-  }
-
-  std::uint64_t clock_us() override { return instrument_->board().now_us(); }
-  std::string name() const override { return "emulated board"; }
-
- private:
-  std::shared_ptr<McuInstrument> instrument_;
-  std::vector<std::uint8_t> output_;
-  std::size_t used_ = 0;
-};
-
 }  // namespace
 
 McuInstrument::McuInstrument(const BenchOptions& options, mcu::McuBoardOptions board)
@@ -75,7 +44,7 @@ McuInstrument::McuInstrument(const BenchOptions& options, mcu::McuBoardOptions b
       board_(std::make_unique<mcu::McuBoard>(*wiring_, std::move(board))) {}
 
 std::unique_ptr<instrument::Transport> connect_serial(std::shared_ptr<McuInstrument> instrument) {
-  return std::make_unique<SerialTransport>(std::move(instrument));
+  return std::make_unique<BoardTransport<McuInstrument>>(std::move(instrument), "emulated board");
 }
 
 }  // namespace umov::emulator
