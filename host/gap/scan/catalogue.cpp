@@ -426,6 +426,10 @@ class Catalogue {
               "Diffuse light whose shape follows the wavelength: the less is absorbed, the more "
               "often it is scattered.",
               repeated(falling(SeriesId::spectral_diffuse, 0.05)));
+    free_form(EffectId::azimuthal_diffuse, "azimuthal-diffuse",
+              "Diffuse light that out of the plane of incidence depends on either direction, not "
+              "only on the angles between them and the half direction.",
+              std::vector<double>(azimuthal_terms, 0.1));
     add_family(EffectId::anisotropic_slopes, "anisotropic",
                "Slopes larger along one direction of the surface than across it, as grinding "
                "leaves them.",
@@ -433,8 +437,10 @@ class Catalogue {
                {signed_number("ln_ratio", "1", "ln of the slope across over that along", 0.5, 2),
                 shaping("turn_deg", "deg", "of the axis from the plane of incidence", -90, 90)},
                {{{0.02, 0.0}}, {{-0.02, 0.0}}, {{0.02, 45.0}}, {{0.02, -45.0}}});
-    // In the plane of incidence it is a lobe like any other.
-    if (!scale_.out_of_plane) effects_[number(EffectId::anisotropic_slopes)].probes.clear();
+    // In the plane of incidence there is nothing of one, and the other is a lobe like any other.
+    if (!scale_.out_of_plane)
+      for (const EffectId id : {EffectId::azimuthal_diffuse, EffectId::anisotropic_slopes})
+        effects_[number(id)].probes.clear();
   }
 
   void reflectance() {
@@ -471,14 +477,15 @@ class Catalogue {
     for (const EffectId id :
          {EffectId::free_slopes, EffectId::fine_slopes, EffectId::free_lobe,
           EffectId::spectral_lobe, EffectId::free_diffuse, EffectId::spectral_diffuse,
-          EffectId::anisotropic_slopes, EffectId::long_tails, EffectId::wave_lobe,
-          EffectId::second_roughness, EffectId::forward_lobe, EffectId::volume_diffuse,
-          EffectId::interface_diffuse, EffectId::polarised_diffuse})
+          EffectId::azimuthal_diffuse, EffectId::anisotropic_slopes, EffectId::long_tails,
+          EffectId::wave_lobe, EffectId::second_roughness, EffectId::forward_lobe,
+          EffectId::volume_diffuse, EffectId::interface_diffuse, EffectId::polarised_diffuse})
       effects_[number(id)].structural = true;
     for (const EffectId id :
          {EffectId::free_slopes, EffectId::fine_slopes, EffectId::free_lobe,
           EffectId::spectral_lobe, EffectId::free_diffuse, EffectId::spectral_diffuse,
-          EffectId::volume_diffuse, EffectId::interface_diffuse, EffectId::polarised_diffuse})
+          EffectId::azimuthal_diffuse, EffectId::volume_diffuse, EffectId::interface_diffuse,
+          EffectId::polarised_diffuse})
       effects_[number(id)].linear = true;
   }
 

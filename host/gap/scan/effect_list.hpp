@@ -59,6 +59,7 @@ enum class EffectId : std::size_t {
   spectral_lobe,
   free_diffuse,
   spectral_diffuse,
+  azimuthal_diffuse,
   anisotropic_slopes,
   count
 };

@@ -44,6 +44,8 @@ inline constexpr std::size_t spectral_diffuse_order = 2, spectral_diffuse_terms 
 inline constexpr std::size_t lobe_extra = 4;
 /// Parameters of free_diffuse behind its series: polarisation by the surface that light crosses.
 inline constexpr std::size_t diffuse_extra = 2;
+/// Parameters of azimuthal_diffuse: depolarised terms and, last, one that keeps polarisation.
+inline constexpr std::size_t azimuthal_terms = 5;
 inline constexpr std::size_t most_terms = fine_slope_terms;
 
 inline constexpr std::array<Series, series_count> all_series{
@@ -223,11 +225,30 @@ void add_free_lobes(optics::Mueller<T>& m, const Material<T>& material,
   add_facets(m, p[0], p[1], density, f);
 }
 
+/// Diffuse light's dependence on the azimuth where half and difference angle stay the same:
+/// products of functions of either direction have it. Zero in the plane of incidence; one of the
+/// angles' turns about the half direction exchanges the beams, so that only its cosine's square
+/// counts.
+template <class T, class A>
+void add_azimuthal_diffuse(optics::Mueller<T>& m, const T& plain, const T* e,
+                           const brdf::FacetFrame<A>& f) {
+  const A h2 = f.cos_h * f.cos_h, d2 = f.cos_d * f.cos_d;
+  // 4 sin²θh sin²θd sin²φd, since cos θi cos θr = cos²θh cos²θd - sin²θh sin²θd cos²φd.
+  const A w = 4.0 * ((1.0 - h2) * (1.0 - d2) - h2 * d2 + f.cos_i * f.cos_r);
+  brdf::add_depolarized(
+      m, T(plain * w *
+           (e[0] + e[1] * (2.0 * f.cos_h - 1.0) + e[2] * (2.0 * f.cos_d - 1.0) + e[3] * w)));
+  const T kept = plain * w * e[4];
+  brdf::add_facet(m, brdf::FacetMatrix<T>{T(0.0), T(0.0), kept, T(-kept), T(0.0)}, f);
+}
+
 template <class T, class A>
 void add_free_forms(optics::Mueller<T>& m, const Material<T>& material,
                     const brdf::FacetFrame<A>& f, const Switched<T>& on) {
   const T* diffuse = on[EffectId::free_diffuse];
-  const bool diffuses = diffuse != nullptr || on[EffectId::spectral_diffuse] != nullptr;
+  const T* azimuthal = on[EffectId::azimuthal_diffuse];
+  const bool diffuses =
+      diffuse != nullptr || azimuthal != nullptr || on[EffectId::spectral_diffuse] != nullptr;
   T plain(0.0);
   if (diffuses) plain = diffuse_part(material, f, m);
   if (material.lobe >= 0 &&
@@ -235,6 +256,7 @@ void add_free_forms(optics::Mueller<T>& m, const Material<T>& material,
        on[EffectId::free_lobe] != nullptr || on[EffectId::spectral_lobe] != nullptr))
     add_free_lobes(m, material, f, on);
   if (!diffuses) return;
+  if (azimuthal != nullptr) add_azimuthal_diffuse(m, plain, azimuthal, f);
   brdf::add_depolarized(m, T(plain * (series_sum(SeriesId::diffuse_shape, material, f, on) +
                                       series_sum(SeriesId::spectral_diffuse, material, f, on))));
   if (diffuse == nullptr) return;
