@@ -16,7 +16,12 @@
 namespace umov::gap {
 namespace {
 
-constexpr std::size_t most_rivals = 5;  // of one cause, refitted in full
+constexpr std::size_t most_rivals = 5;  // of one cause
+/// Iterations of a rival's refit before it is judged, and the rise of χ² within which it goes on.
+constexpr int first_look = 4;
+constexpr double far_off = 150;
+/// Iterations of a fit of some of the named effects: shares are no better than a hundredth.
+constexpr int for_a_share = 6;
 
 /// χ² of withheld rows, fold by fold.
 std::vector<double> held_out_by_fold(const ForwardModel& model, const Refit& fit,
@@ -72,6 +77,7 @@ class Diagnoser {
     gaps(base, after, whitening);
     causes(base, after, whitening);
     verdict();
+    admit_the_unknown();
     const Eigen::VectorXd errors = standard_errors(after.precision);
     for (std::size_t i = 0; i < model_.base().size(); ++i)
       d_.base.push_back(named_value(model_.base()[i], after.explanation.base[i],
@@ -91,8 +97,11 @@ class Diagnoser {
     best.held_out_chi2 = withheld(best.refit);
     while (!best.refit.explanation.effects.empty()) {
       std::vector<std::size_t> effects;
-      for (const std::size_t e : best.refit.explanation.effects)
-        if (!carries(e)) effects.push_back(e);
+      for (std::size_t k = 0; k < best.refit.explanation.effects.size(); ++k) {
+        const std::size_t e = best.refit.explanation.effects[k];
+        if (!carries(e) && worth_by_curvature(model_, best.refit, k) < beyond_doubt)
+          effects.push_back(e);
+      }
       if (effects.empty()) break;
       std::vector<Hypothesis> smaller(effects.size());
       for_each_index(effects.size(), options_.search.threads, [&](std::size_t i) {
@@ -215,6 +224,13 @@ class Diagnoser {
                      [](const auto& a, const auto& b) { return a.second > b.second; });
   }
 
+  /// Probabilities so far are those among the explanations that were tried.
+  void admit_the_unknown() {
+    const double known = 1 - options_.outside_catalogue;
+    for (Cause& c : d_.causes) c.probability *= known;
+    for (auto& [name, p] : d_.probabilities) p *= known;
+  }
+
   /// Takes a hypothesis into the search's list unless its set of effects is there.
   void keep(Hypothesis hypothesis) {
     for (const Hypothesis& h : d_.search.hypotheses)
@@ -291,7 +307,7 @@ class Diagnoser {
       const bool bare = scatter_ && !((subset >> small.size()) & 1U);
       const Whitening& noise = bare ? *d_.base_whitening : whitening;
       const Refit& near = bare ? *unscattered : after;
-      const Refit fit = part.effects == chosen ? near : refit(model_, part, noise, 15, &near);
+      const Refit fit = part.effects == chosen ? near : refit(model_, part, noise, for_a_share, &near);
       return nothing - sum(held_out_by_fold(model_, fit, noise, d_.search.fold));
     };
     const std::vector<double> of_small = shapley_values(parts, closed_by, options_.search.threads);
@@ -385,10 +401,12 @@ class Diagnoser {
       for_each_index(rivals.size(), options_.search.threads, [&](std::size_t i) {
         const std::size_t one[] = {rivals[i]};
         Hypothesis& h = trials[i];
-        h.refit = refit(model_,
-                        with_effect(smaller.explanation, view.candidates()[rivals[i]].effect,
-                                    view.alpha(rivals[i], view.fit(one).coefficient)),
-                        whitening, 15, &best.refit);
+        const Explanation start =
+            with_effect(smaller.explanation, view.candidates()[rivals[i]].effect,
+                        view.alpha(rivals[i], view.fit(one).coefficient));
+        h.refit = refit(model_, start, whitening, first_look, &best.refit);
+        if (h.refit.chi2 - best.refit.chi2 < std::max(far_off, 0.3 * own))
+          h.refit = refit(model_, h.refit.explanation, whitening, 15, &best.refit);
         h.ln_evidence = log_evidence(model_, h.refit) +
                         ln_odds * static_cast<double>(h.refit.explanation.effects.size());
       });

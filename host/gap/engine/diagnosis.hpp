@@ -95,6 +95,9 @@ struct DiagnoseOptions {
   /// Share of `significance` that signs of a variation may use up. Small: they are looked for
   /// among thousands, and rest on signatures that are right to a few per cent only.
   double varying_share = 0.2;
+  /// Part of all that looks like an effect of the catalogue that is something else, which no
+  /// catalogue has: probabilities are told less by it.
+  double outside_catalogue = 0.04;
   /// Least Δχ² of a cause beside a variation that was found.
   double needed = 10;
 };

@@ -302,6 +302,37 @@ Refit refit(const ForwardModel& model, const Explanation& start, const Whitening
   return best;
 }
 
+double worth_by_curvature(const ForwardModel& model, const Refit& fit, std::size_t place) {
+  const Effect& effect = model.effects()[fit.explanation.effects[place]];
+  auto number = static_cast<Eigen::Index>(fit.explanation.base.size());
+  for (std::size_t k = 0; k < place; ++k)
+    number += static_cast<Eigen::Index>(fit.explanation.alpha[k].size());
+  std::vector<Eigen::Index> sizes;
+  std::vector<double> away;
+  for (std::size_t i = 0; i < effect.parameters.size(); ++i, ++number) {
+    const Parameter& p = effect.parameters[i];
+    if (p.shape || p.choice || !(fit.precision(number, number) > 0)) continue;
+    sizes.push_back(number);
+    away.push_back(fit.explanation.alpha[place][i] - p.absent);
+  }
+  if (sizes.empty()) return 0;
+  std::vector<Eigen::Index> others;
+  for (const Eigen::Index i : fit.free)
+    if (std::find(sizes.begin(), sizes.end(), i) == sizes.end()) others.push_back(i);
+  Eigen::MatrixXd left = fit.precision(sizes, sizes);
+  if (!others.empty()) {
+    const Eigen::VectorXd scale =
+        fit.precision(others, others).diagonal().cwiseSqrt().cwiseInverse();
+    Eigen::MatrixXd scaled =
+        scale.asDiagonal() * fit.precision(others, others) * scale.asDiagonal();
+    scaled.diagonal().array() += 1e-10;
+    const Eigen::MatrixXd across = scale.asDiagonal() * fit.precision(others, sizes);
+    left -= across.transpose() * scaled.ldlt().solve(across);
+  }
+  const Eigen::Map<const Eigen::VectorXd> step(away.data(), static_cast<Eigen::Index>(away.size()));
+  return std::max(0.0, step.dot(left * step));
+}
+
 Eigen::MatrixXd followed_directions(const Refit& fit) {
   const Eigen::Index n = fit.residual.size();
   const auto fitted = static_cast<Eigen::Index>(fit.free.size());

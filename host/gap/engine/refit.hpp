@@ -48,6 +48,10 @@ Explanation with_effect(const Explanation& explanation, std::size_t effect,
 /// The same explanation with one effect less.
 Explanation without_effect(const Explanation& explanation, std::size_t effect);
 
+/// What χ² would rise by without one effect of the fit (its `place`), by the curvature at the fit,
+/// all else free: within a factor of four of what a refit would find.
+double worth_by_curvature(const ForwardModel& model, const Refit& fit, std::size_t place);
+
 /// Orthonormal directions, as columns, that a fit's free parameters can follow. Rows: the
 /// observations, then the free parameters themselves, of which priors are further observations.
 Eigen::MatrixXd followed_directions(const Refit& fit);

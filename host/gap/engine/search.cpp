@@ -27,6 +27,8 @@ constexpr std::size_t most_settled = 6;
 /// view's ln of the evidence a refit makes the next worth trying.
 constexpr std::size_t most_starts = 4;
 constexpr double falls_short = 5;
+/// Parameters of a structure beyond which each look around costs a multiple of others.
+constexpr std::size_t long_structure = 60;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The base at the best of its starts.
@@ -170,30 +172,9 @@ class Searcher {
   SearchResult run() {
     tell(0, "base model");
     result_.fold = fold_of_observations(model_.observations().row, options_.folds, options_.seed);
-    Refit base = base_fit(model_, options_.threads);
+    const Refit base = base_fit(model_, options_.threads);
     tell(0.05, "structure of the model");
-    Refit centre = with_structure(model_, base, options_, result_.structure);
-    learn_noise(centre);
-    base = refit(model_, base.explanation, whitening());
-    centre = refit(model_, centre.explanation, whitening());
-    known_[{}] = assess(std::move(base));
-    const EffectSet structured = centre.explanation.effects;
-    known_.emplace(structured, assess(centre));
-
-    // A view is good near the explanation it was taken at. Large effects move it: look again from
-    // the best one found, until that does not change.
-    std::vector<EffectSet> centres = first_centres(centre.explanation);
-    const std::size_t most_rounds = 3 + centres.size();
-    for (std::size_t round = 0; round < centres.size() && round < most_rounds; ++round) {
-      tell(0.1 + 0.8 * static_cast<double>(round) / static_cast<double>(most_rounds),
-           "sets of effects");
-      const EffectSet from = centres[round];
-      look_around(from, from == structured);
-      const EffectSet& best = best_known();
-      if (round + 1 == centres.size() &&
-          std::find(centres.begin(), centres.end(), best) == centres.end())
-        centres.push_back(best);
-    }
+    explore(base.explanation, with_structure(model_, base, options_, result_.structure));
     settle_what_leads();
     drop_what_rests();
 
@@ -208,6 +189,56 @@ class Searcher {
   }
 
  private:
+  /// From a base and the structure that was taken in to hypotheses that no further look betters.
+  void explore(const Explanation& bare, Refit centre) {
+    learn_noise(centre);
+    known_[{}] = assess(refit(model_, bare, whitening()));
+    centre = refit(model_, centre.explanation, whitening());
+    known_.emplace(centre.explanation.effects, assess(centre));
+    std::vector<EffectSet> centres = scouted(bare, centre);
+    if (centres.empty()) centres = first_centres(centre.explanation);
+    // A view is good near the explanation it was taken at. Large effects move it: look again from
+    // the best one found, until that does not change.
+    const std::size_t further = centre.free.size() < long_structure ? 3 : 1;
+    const std::size_t most_rounds = further + centres.size();
+    for (std::size_t round = 0; round < centres.size() && round < most_rounds; ++round) {
+      tell(0.1 + 0.8 * static_cast<double>(round) / static_cast<double>(most_rounds),
+           "sets of effects");
+      const EffectSet from = centres[round];
+      look_around(from);
+      const EffectSet& best = best_known();
+      if (round + 1 == centres.size() &&
+          std::find(centres.begin(), centres.end(), best) == centres.end())
+        centres.push_back(best);
+    }
+  }
+
+  /// Where much is missed, or the way is long through a structure of many parameters, a part of the
+  /// records is enough to find the way: the best of what that finds. Nothing where it is short.
+  std::vector<EffectSet> scouted(const Explanation& bare, const Refit& centre) {
+    constexpr double much = 4;        // χ² per observation
+    constexpr std::size_t crowd = 3;  // effects more than the structure has
+    if (centre.chi2 < much * static_cast<double>(centre.residual.size()) &&
+        centre.free.size() < long_structure)
+      return {};
+    const std::unique_ptr<ForwardModel> few = model_.thinned(most_to_find_the_way);
+    if (!few) return {};
+    SearchOptions silent = options_;
+    silent.progress = nullptr;
+    Searcher scout(*few, silent);
+    scout.result_.fold =
+        fold_of_observations(few->observations().row, options_.folds, options_.seed);
+    scout.result_.structure = result_.structure;
+    Eigen::VectorXd mean;
+    few->predict(centre.explanation, mean, nullptr);
+    scout.explore(bare, refit(*few, centre.explanation, Whitening(few->noise(mean))));
+    const Refit& found = scout.known_.at(scout.best_known()).refit;
+    const auto& effects = found.explanation.effects;
+    if (effects.size() < centre.explanation.effects.size() + crowd) return {};
+    known_.emplace(effects, assess(refit(model_, found.explanation, whitening())));
+    return {effects};
+  }
+
   void tell(double done, const char* what) const {
     if (options_.progress) options_.progress(done, what);
   }
@@ -255,16 +286,17 @@ class Searcher {
   }
 
   /// Refits what the view from a known hypothesis proposes, and that without each of its effects.
-  void look_around(const EffectSet& from, bool judge_chance) {
+  void look_around(const EffectSet& from) {
     const Hypothesis at = known_.at(from);
     const LinearView view(model_, at.refit, whitening(), result_.fold, true, options_.threads);
-    if (judge_chance) {
+    if (!(result_.null_99 > 0)) {
       const std::vector<double> maxima = view.null_maxima(2000, options_.seed);
       result_.null_99 = maxima[maxima.size() * 99 / 100];
     }
     std::vector<Task> tasks = tasks_from(view, model_, at, options_, ln_odds_);
-    for (const std::size_t e : from) {
-      Explanation without = without_effect(at.refit.explanation, e);
+    for (std::size_t k = 0; k < from.size(); ++k) {
+      if (worth_by_curvature(model_, at.refit, k) > beyond_doubt) continue;
+      Explanation without = without_effect(at.refit.explanation, from[k]);
       tasks.push_back({without.effects, {without}, -infinity});
     }
     std::erase_if(tasks, [&](const Task& t) { return known_.contains(t.effects); });

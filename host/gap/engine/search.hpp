@@ -53,6 +53,9 @@ struct SearchResult {
   std::size_t base = 0;  ///< place of the base model in `hypotheses`
 };
 
+/// Rise of χ² by the curvature above which an effect need not be left out to see that it is there.
+inline constexpr double beyond_doubt = 300;
+
 /// The same options with structural effects left out.
 SearchOptions without_structure(const ForwardModel& model, SearchOptions options);
 /// ln of the odds of one effect before any data.

@@ -1,5 +1,7 @@
 // Series without a formula must keep to what any reflectance obeys.
 #include <array>
+#include <cmath>
+#include <iterator>
 #include <span>
 #include <vector>
 
@@ -96,11 +98,45 @@ TEST(FreeForms, AreReciprocalInThePlaneOfIncidence) {
   }
 }
 
+const Form azimuthal{EffectId::azimuthal_diffuse, azimuthal_terms};
+
+TEST(FreeForms, AzimuthalDiffuseLightIsNoneInThePlaneOfIncidence) {
+  for (const double theta_r_deg : {-60.0, -20.0, 5.0, 45.0}) {
+    const optics::Mueller<double> m = free_form(25.0, theta_r_deg, azimuthal.id, azimuthal.terms);
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j) EXPECT_NEAR(m[i][j], 0.0, 1e-14);
+  }
+  EXPECT_GT(std::abs(free_form(25.0, 50.0, azimuthal.id, azimuthal.terms, 90.0)[0][0]), 1e-4);
+}
+
+TEST(FreeForms, AzimuthalDiffuseLightFollowsTheTurnAboutTheHalfDirection) {
+  const double i = optics::radians(35.0), r = optics::radians(60.0), phi = optics::radians(70.0);
+  using Vec = optics::Vec3<double>;
+  // Towards the source and the detector; φ_r is zero where the mirror direction goes.
+  const Vec to_source(-std::sin(i), 0.0, std::cos(i));
+  const Vec to_detector(std::sin(r) * std::cos(phi), std::sin(r) * std::sin(phi), std::cos(r));
+  const Vec sum = to_source + to_detector, normal(0.0, 0.0, 1.0);
+  const Vec half = sum * (1.0 / std::sqrt(optics::dot(sum, sum)));
+  const Vec a = normal - half * optics::dot(normal, half);
+  const Vec b = to_source - half * optics::dot(to_source, half);
+  const double turn2 = std::pow(optics::dot(a, b), 2) / (optics::dot(a, a) * optics::dot(b, b));
+  const double expected = 4.0 * optics::dot(a, a) * optics::dot(b, b) * (1.0 - turn2);
+
+  const brdf::FacetFrame<double> f = brdf::facet_frame(brdf::Geometry<double>{i, r, phi});
+  const std::array<double, azimuthal_terms> first{1.0, 0.0, 0.0, 0.0, 0.0};
+  optics::Mueller<double> m = optics::zero_mueller<double>();
+  add_azimuthal_diffuse(m, 1.0, first.data(), f);
+  optics::Mueller<double> unit = optics::zero_mueller<double>();
+  brdf::add_depolarized(unit, 1.0);
+  EXPECT_NEAR(m[0][0], expected * unit[0][0], 1e-12);
+}
+
 TEST(FreeForms, AreIsotropicOutOfThePlaneOfIncidence) {
   // Mirrored at the plane of incidence, intensity for unpolarised light stays; with the beams
   // exchanged it stays as well, whatever the azimuth.
-  for (const auto& [id, terms] : forms) {
-    if (id == EffectId::anisotropic_slopes) continue;
+  std::vector<Form> isotropic(std::begin(forms), std::end(forms));
+  isotropic.back() = azimuthal;  // in the place of anisotropic slopes
+  for (const auto& [id, terms] : isotropic) {
     for (const double phi_deg : {15.0, 60.0, 140.0}) {
       const double there = free_form(25.0, 50.0, id, terms, phi_deg)[0][0];
       EXPECT_NEAR(there, free_form(25.0, 50.0, id, terms, -phi_deg)[0][0], 1e-12) << number(id);

@@ -2,21 +2,18 @@
 // shadow.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 
 #include "host/gap/scan/effect_list.hpp"
 #include "host/optics/angles.hpp"
 #include "host/optics/dual.hpp"
 
 namespace umov::gap::scan {
-
-/// erf for dual numbers.
-template <class T>
-T error_function(const T& x) {
-  const double a = optics::value_of(x);
-  return optics::lift<T, 1>(std::erf(a), {2.0 / std::sqrt(optics::pi) * std::exp(-a * a)}, {x});
-}
 
 /// Nodes and weights of 12-point Gauss-Legendre quadrature on (0, 1): the half with its mirror.
 inline constexpr std::array<double, 6> half_nodes = {0.1252334085114689, 0.3678314989981802,
@@ -26,20 +23,56 @@ inline constexpr std::array<double, 6> half_weights = {0.2491470458134028, 0.233
                                                        0.2031674267230659, 0.1600783285433462,
                                                        0.1069393259953184, 0.0471753363865118};
 
+/// Share of a Gaussian beam on a disc, with its derivatives.
+struct DiscShare {
+  double ratio = 0, cosine = 0;  ///< what it belongs to
+  double value = 0, by_ratio = 0, by_cosine = 0;
+};
+
+inline DiscShare compute_disc_share(double ratio, double cosine) {
+  const double y_scale = std::sqrt(2.0) / ratio, x_scale = y_scale * cosine;
+  const double norm = 2.0 / std::sqrt(optics::pi);
+  // Chords across the disc, by the angle about its centre (the edge is no edge there), as far as
+  // the beam reaches.
+  constexpr double reach = 4.5;
+  const double widest = std::asin(std::min(1.0, reach / y_scale));
+  double sum = 0, by_y_scale = 0, by_x_scale = 0;
+  for (std::size_t i = 0; i < half_nodes.size(); ++i) {
+    for (const double side : {-1.0, 1.0}) {
+      const double angle = 0.5 * widest * (1.0 + side * half_nodes[i]);
+      const double y = std::sin(angle), x = std::cos(angle);
+      const double density =
+          0.5 * widest * half_weights[i] * x * std::exp(-(y_scale * y) * (y_scale * y));
+      const double along = std::erf(x_scale * x);
+      sum += density * along;
+      by_y_scale -= 2.0 * y_scale * y * y * density * along;
+      by_x_scale += density * norm * x * std::exp(-(x_scale * x) * (x_scale * x));
+    }
+  }
+  // By the scale of y at a constant cosine, which scales x too.
+  const double by_scale = norm * (sum + y_scale * (by_y_scale + by_x_scale * cosine));
+  return {ratio, cosine, norm * y_scale * sum, -by_scale * y_scale / ratio,
+          norm * y_scale * y_scale * by_x_scale};
+}
+
+/// The same from memory where it was asked for before: a scan has few pairs of angles and many
+/// records at each.
+inline const DiscShare& disc_share(double ratio, double cosine) {
+  constexpr std::size_t places = 1024;
+  thread_local std::array<DiscShare, places> memory;
+  const auto mixed = std::bit_cast<std::uint64_t>(ratio) * 0x9e3779b97f4a7c15U ^
+                     std::bit_cast<std::uint64_t>(cosine) * 0xc2b2ae3d27d4eb4fU;
+  DiscShare& at = memory[(mixed >> 40) % places];
+  if (at.ratio != ratio || at.cosine != cosine) at = compute_disc_share(ratio, cosine);
+  return at;
+}
+
 /// Share of a Gaussian beam, 1/e² radius `ratio` times a disc's radius and stretched along x by
 /// 1/`cosine`, that falls on the disc.
 template <class T>
 T share_on_disc(const T& ratio, const T& cosine) {
-  using std::exp;
-  T sum(0.0);
-  const T y_scale = std::sqrt(2.0) / ratio;
-  const T x_scale = y_scale * cosine;
-  for (std::size_t i = 0; i < half_nodes.size(); ++i) {
-    const double y = half_nodes[i];
-    const T density = exp(T(-(y_scale * y) * (y_scale * y)));
-    sum += half_weights[i] * density * error_function(T(x_scale * std::sqrt(1.0 - y * y)));
-  }
-  return sum * y_scale * (2.0 / std::sqrt(optics::pi));
+  const DiscShare& share = disc_share(optics::value_of(ratio), optics::value_of(cosine));
+  return optics::lift<T, 2>(share.value, {share.by_ratio, share.by_cosine}, {ratio, cosine});
 }
 
 /// Factor for both edges. Normalised to normal incidence and view, where the gain is calibrated.
