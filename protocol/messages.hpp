@@ -42,7 +42,9 @@ enum class Fault : std::uint8_t {
   adc_overrun,
   missed_deadline,
   not_homed,
-  internal
+  internal,
+  settings_corrupt,
+  over_temperature
 };
 
 /// What the controller is doing.
@@ -401,7 +403,7 @@ struct ClearFault {
       0x33, "clear_fault", Sender::host,
       "Clears the latched fault named; refused while its cause persists."};
   static constexpr auto fields =
-      std::tuple{field("fault", &ClearFault::fault, "enum Fault", "fault to clear", 1, 11)};
+      std::tuple{field("fault", &ClearFault::fault, "enum Fault", "fault to clear", 1, 13)};
 };
 
 struct FaultEvent {

@@ -30,6 +30,10 @@ class Stm32Board final : public firmware::Board {
   void set_shutter(bool open) override;
   void set_gain(int range) override;
   bool interlock_closed() const override;
+  bool emergency_released() const override;
+  bool overheated() const override;
+  bool supply_low() const override;
+  bool stalled(int axis) const override;
 
   void start_sampling(std::uint32_t phase_step) override { sampling_.start(phase_step); }
   void stop_sampling() override { sampling_.stop(); }

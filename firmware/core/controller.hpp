@@ -2,6 +2,7 @@
 // entry points that a board calls.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <span>
 
@@ -25,7 +26,7 @@ struct HandView {
 
 /// One a board, statically allocated; board and log must outlive it.
 /// Contexts (firmware/README.md): on_step_timer() in the timer interrupts, on_samples() in the
-/// sample interrupt, on_stall() and on_adc_overrun() in any interrupt; start(), tick() and
+/// sample interrupt, on_stall() to on_low_supply() in any interrupt; start(), tick() and
 /// on_link_bytes() in the main loop.
 class Controller {
  public:
@@ -48,6 +49,13 @@ class Controller {
   void on_stall(int axis);
   /// Samples were lost.
   void on_adc_overrun();
+  /// A step came so late that its axis may not have followed.
+  void on_late_step(int axis);
+  /// The input has left its good level, if only for a moment.
+  void on_interlock_open();
+  void on_emergency_stop();
+  void on_overheat();
+  void on_low_supply();
 
   /// A hand controller at the instrument turns an axis by so much, microdegrees, from where it is
   /// going. Steps that come while it moves add up. Nothing happens while a fault is latched, a
@@ -68,8 +76,13 @@ class Controller {
 
   // controller.cpp
   void raise(protocol::Fault fault, std::int32_t detail);
+  void raise_from_interrupt(protocol::Fault fault, std::int32_t detail);
   void enter_safe_state();
   void collect_faults();
+  void collect_lost_positions();
+  void look_at_inputs();
+  /// What caused the fault is still there.
+  bool persists(protocol::Fault fault) const;
   void watch_deadline();
   void send_what_is_due();
   void send_records();
@@ -114,6 +127,8 @@ class Controller {
   Sequencer sequencer_;
   Safety safety_;
   Link link_;
+  std::atomic<std::uint8_t> stalled_axes_{0};
+  std::atomic<std::uint8_t> late_axes_{0};
   bool session_open_ = false;
   bool credit_due_ = false;
   bool ticked_ = false;

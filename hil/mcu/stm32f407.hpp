@@ -57,6 +57,12 @@ class Stm32f407 {
   /// What the outside does to a pin; empty: leaves it to the pull.
   void drive_pin(int port, int pin, std::optional<bool> level);
   bool pin_level(int port, int pin) const;
+  /// Voltage of the supply, for the detector; what resets the chip is reset(). 3,300 at first.
+  void set_supply(std::uint32_t millivolts);
+  /// The ADC reports an overrun.
+  void overrun_adc();
+  /// The processor does nothing for so long, as one that hangs; the peripherals go on.
+  void stand_still(Time duration);
   /// Bytes to USART2.
   void serial(std::span<const std::uint8_t> bytes);
 
@@ -84,6 +90,8 @@ class Stm32f407 {
   std::uint32_t reset_flags_ = 0;
   unsigned watchdog_resets_ = 0, software_resets_ = 0;
   bool paused_ = false;
+  std::uint32_t supply_mv_ = 3300;
+  Time stands_until_ = 0;
   std::unique_ptr<Core> core_;
 };
 
