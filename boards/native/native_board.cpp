@@ -52,7 +52,8 @@ struct NativeBoard::Impl final : firmware::Board {
       : world(&the_world),
         options(std::move(the_options)),
         log(options.log ? options.log : std::make_shared<RamLog>()),
-        controller(*this, *log, identity_of(options)) {
+        settings(options.settings ? options.settings : std::make_shared<RamSettings>()),
+        controller(*this, *log, identity_of(options), firmware::default_axes, settings.get()) {
     directions.fill(1);
     next_step.fill(never);
     options.samples_per_block = std::max(1u, options.samples_per_block);
@@ -138,6 +139,7 @@ struct NativeBoard::Impl final : firmware::Board {
   World* world;
   NativeBoardOptions options;
   std::shared_ptr<RamLog> log;
+  std::shared_ptr<RamSettings> settings;
   firmware::Controller controller;
   std::array<int, axis_count> directions{};
   std::array<Ticks, axis_count> next_step{};

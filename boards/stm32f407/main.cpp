@@ -12,6 +12,7 @@
 #include "boards/stm32f407/registers/core.hpp"
 #include "boards/stm32f407/registers/gpio.hpp"
 #include "boards/stm32f407/reset_cause.hpp"
+#include "boards/stm32f407/settings_flash.hpp"
 #include "boards/stm32f407/stm32_board.hpp"
 #include "boards/stm32f407/usb_application.hpp"
 #include "boards/stm32f407/usb_port.hpp"
@@ -23,6 +24,8 @@ namespace {
 
 Stm32Board board;
 FlashLog fault_log;
+SettingsFlash settings_flash;
+firmware::SettingsPages settings(settings_flash);
 alignas(firmware::Controller) std::byte controller_place[sizeof(firmware::Controller)];
 firmware::Controller* controller = nullptr;
 UsbPort usb_port;
@@ -130,8 +133,9 @@ int main() {
   const auto cause = take_reset_cause();
   board.set_up();
   const std::uint32_t boot_id = fault_log.begin();
+  settings.begin();
   controller = new (controller_place)
-      umov::firmware::Controller(board, fault_log, identity(cause, boot_id), axes);
+      umov::firmware::Controller(board, fault_log, identity(cause, boot_id), axes, &settings);
   usb = new (usb_place) umov::firmware::usb::Device(usb_port, usb_application, chip_serial());
   usb_application.bind(*controller);
   board.use_usb(*usb);

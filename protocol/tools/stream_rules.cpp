@@ -21,7 +21,7 @@ std::string describe_session_and_streams() {
    own counter, which says nothing about their order.
 6. Frames may be lost, repeated or swapped by any pipe. The device acts on every request it gets; the host
    therefore asks again only where acting twice does no harm: `hello`, `time_sync`, `get_status`, `get_axis`,
-   `set_axis`, `set_lockin`, `read_log`, `stop`. When any other request goes unanswered the host finds out by
+   `set_axis`, `set_lockin`, `get_lockin`, `save_settings`, `read_log`, `stop`. When any other request goes unanswered the host finds out by
    `get_status` what became of it.
 7. The host sends something at least every 500 ms of its clock (`get_status` when there is nothing else). A
    device that hears nothing for its board's link timeout (2 s or more) while it moves or shines may latch

@@ -35,7 +35,9 @@ POINTERS = [
     (r"usb::(Device|LinkSwitch)::", f"{PORT}|{APPLICATION}"),
     (r"usb::ControlPipe::", f"{PORT}|non-virtual thunk to .*usb::Device::on_(request|data|complete)"),
     (r"stm32f407::UsbPort::", r"^umov::firmware::usb::Device::on_(reset|suspend|resume|setup|sent|received)\("),
-    (r"^umov::firmware::|^(void|bool) umov::firmware::", r"stm32f407::(Stm32Board|FlashLog)::"),
+    (r"firmware::SettingsPages::", r"stm32f407::SettingsFlash::"),
+    (r"^umov::firmware::|^(void|bool) umov::firmware::",
+     r"stm32f407::(Stm32Board|FlashLog)::|firmware::SettingsPages::(load|save)"),
     (r"^main$", PORT),
     (r"^reset_handler$", r"_GLOBAL__sub_I|static_initialization"),
 ]

@@ -10,7 +10,7 @@
 
 namespace umov::firmware {
 
-inline constexpr int fault_count = 12;
+inline constexpr int fault_count = 13;
 
 /// Book of faults. What the safe state is, the controller knows.
 /// Contexts: raise_from_interrupt() anywhere, everything else in the main loop.
