@@ -53,12 +53,18 @@ struct NativeBoard::Impl final : firmware::Board {
       : world(&the_world),
         options(std::move(the_options)),
         log(options.log ? options.log : std::make_shared<RamLog>()),
-        controller(std::make_unique<firmware::Controller>(*this, *log, identity_of(options))) {
+        settings(options.settings ? options.settings : std::make_shared<RamSettings>()),
+        controller(new_controller()) {
     begin();
     options.samples_per_block = std::max(1u, options.samples_per_block);
     signal.resize(options.samples_per_block);
     monitor.resize(options.samples_per_block);
     controller->start();
+  }
+
+  std::unique_ptr<firmware::Controller> new_controller() {
+    return std::make_unique<firmware::Controller>(*this, *log, identity_of(options),
+                                                  firmware::default_axes, settings.get());
   }
 
   /// Timers and lines as after a reset.
@@ -78,7 +84,7 @@ struct NativeBoard::Impl final : firmware::Board {
     begin();
     options.reset_cause = cause;
     ++options.boot_id;
-    controller = std::make_unique<firmware::Controller>(*this, *log, identity_of(options));
+    controller = new_controller();
     controller->start();
   }
 
@@ -181,6 +187,7 @@ struct NativeBoard::Impl final : firmware::Board {
   World* world;
   NativeBoardOptions options;
   std::shared_ptr<RamLog> log;
+  std::shared_ptr<RamSettings> settings;
   std::unique_ptr<firmware::Controller> controller;
   std::array<int, axis_count> directions{};
   std::array<Ticks, axis_count> next_step{};

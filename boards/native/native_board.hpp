@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "boards/native/ram_log.hpp"
+#include "boards/native/ram_settings.hpp"
 #include "boards/native/world.hpp"
 #include "firmware/core/controller.hpp"
 
@@ -28,6 +29,8 @@ struct NativeBoardOptions {
   firmware::ResetCause reset_cause = firmware::ResetCause::power_on;
   /// Fault log kept over restarts; null: the board keeps its own, empty at start.
   std::shared_ptr<RamLog> log;
+  /// Saved settings kept over restarts; null: the board keeps its own, empty at start.
+  std::shared_ptr<RamSettings> settings{};
   /// ADC samples handed to the core at a time, like a DMA half-buffer.
   std::uint32_t samples_per_block = 250;
 };

@@ -12,6 +12,7 @@
 #include "boards/stm32f407/registers/core.hpp"
 #include "boards/stm32f407/registers/gpio.hpp"
 #include "boards/stm32f407/reset_cause.hpp"
+#include "boards/stm32f407/settings_flash.hpp"
 #include "boards/stm32f407/stm32_board.hpp"
 #include "boards/stm32f407/usb_application.hpp"
 #include "boards/stm32f407/usb_port.hpp"
@@ -23,10 +24,12 @@ namespace {
 
 Stm32Board board;
 FlashLog fault_log;
+SettingsFlash settings_flash;
+firmware::SettingsPages settings(settings_flash);
 alignas(firmware::Controller) std::byte controller_place[sizeof(firmware::Controller)];
 firmware::Controller* controller = nullptr;
 UsbPort usb_port;
-UsbApplication usb_application(board);
+UsbApplication usb_application;
 alignas(firmware::usb::Device) std::byte usb_place[sizeof(firmware::usb::Device)];
 firmware::usb::Device* usb = nullptr;
 std::atomic<bool> tick_due{false};
@@ -136,7 +139,7 @@ void dma2_stream0_handler() {
   controller->on_adc_overrun();
 }
 void dma1_stream6_handler() {
-  board.link().on_sent();
+  board.serial().on_sent();
 }
 void otg_fs_handler() {
   usb_port.on_interrupt();
@@ -150,11 +153,13 @@ int main() {
   const ResetReport reset = take_reset_cause();
   board.set_up();
   const std::uint32_t boot_id = fault_log.begin();
+  settings.begin();
   controller = new (controller_place)
-      umov::firmware::Controller(board, fault_log, identity(reset, boot_id), axes);
-  usb = new (usb_place) umov::firmware::usb::Device(usb_port, usb_application, chip_serial());
+      umov::firmware::Controller(board, fault_log, identity(reset, boot_id), axes, &settings);
+  usb = new (usb_place)
+      umov::firmware::usb::Device(usb_port, usb_application, chip_serial(), &board.serial());
   usb_application.bind(*controller);
-  board.use_usb(*usb);
+  board.use_link(*usb);
   usb_port.set_up();
   controller->start();
   usb->start();
@@ -162,12 +167,10 @@ int main() {
   start_interrupts();
   for (;;) {
     usb_port.poll(*usb);
-    board.link().read([](std::span<const std::uint8_t> bytes) {
-      // One host at a time: whoever is on USB has the controller.
-      if (!board.on_usb()) controller->on_link_bytes(bytes);
-    });
+    board.serial().read([](std::span<const std::uint8_t> bytes) { usb->take_serial(bytes); });
     if (tick_due.exchange(false, std::memory_order_acquire)) {
       feed_watchdog();
+      board.serial().service();
       controller->tick();
       usb->tick(board.time_us());
       if (!controller->motion().busy() && !board.supply_low()) fault_log.service();

@@ -49,7 +49,7 @@ void Stm32Board::set_up() {
   }
   steps_.set_up();
   sampling_.set_up();
-  link_.set_up();
+  serial_.set_up();
 }
 
 std::uint64_t Stm32Board::time_us() const {
@@ -59,14 +59,6 @@ std::uint64_t Stm32Board::time_us() const {
   clock_low_ = low;
   constexpr std::uint32_t ticks_per_us = firmware::step_timer_hz / 1'000'000;
   return (std::uint64_t{clock_high_} << 32 | low) / ticks_per_us;
-}
-
-std::size_t Stm32Board::link_room() const {
-  return on_usb() ? usb_->link_room() : link_.room();
-}
-
-bool Stm32Board::write_link(std::span<const std::uint8_t> frame) {
-  return on_usb() ? usb_->write_link(frame) : link_.write(frame);
 }
 
 void Stm32Board::set_direction(int axis, int direction) {

@@ -1,7 +1,6 @@
 // What the USB stack asks of this board: the controller behind it.
 #pragma once
 
-#include "boards/stm32f407/stm32_board.hpp"
 #include "firmware/core/controller.hpp"
 #include "firmware/core/usb/application.hpp"
 
@@ -9,11 +8,9 @@ namespace umov::boards::stm32f407 {
 
 class UsbApplication final : public firmware::usb::Application {
  public:
-  explicit UsbApplication(Stm32Board& board) : board_(&board) {}
   void bind(firmware::Controller& controller) { controller_ = &controller; }
 
   void on_link_bytes(std::span<const std::uint8_t> bytes) override {
-    board_->heard_on_usb();
     controller_->on_link_bytes(bytes);
   }
   void on_hand_report(const firmware::usb::HandReport& report) override {
@@ -35,7 +32,6 @@ class UsbApplication final : public firmware::usb::Application {
   void on_detach() override {}
 
  private:
-  Stm32Board* board_;
   firmware::Controller* controller_ = nullptr;
 };
 

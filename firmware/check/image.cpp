@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <new>
 
+#include "firmware/core/config/settings_pages.hpp"
 #include "firmware/core/controller.hpp"
 #include "firmware/core/usb/device.hpp"
 
@@ -49,6 +50,21 @@ class NoLog final : public umov::firmware::PersistentLog {
   void append(const umov::firmware::LoggedFault& entry) override { reg[24] = entry.fault; }
   std::uint16_t count() const override { return 0; }
   bool read(std::uint16_t, umov::firmware::LoggedFault&) const override { return false; }
+};
+
+class RegisterPages final : public umov::firmware::FlashPages {
+ public:
+  std::uint32_t words_per_page() const override { return 4096; }
+  std::uint32_t read(int, std::uint32_t word) const override { return reg[58] + word; }
+  bool program(int page, std::uint32_t word, std::span<const std::uint32_t> words) override {
+    reg[59] = static_cast<std::uint32_t>(page) + word;
+    for (const std::uint32_t w : words) reg[60] = w;
+    return reg[61] == 0;
+  }
+  bool erase(int page) override {
+    reg[62] = static_cast<std::uint32_t>(page);
+    return true;
+  }
 };
 
 class RegisterPort final : public umov::firmware::usb::Port {
@@ -102,13 +118,17 @@ RegisterPort usb_port;
 alignas(umov::firmware::Controller) unsigned char storage[sizeof(umov::firmware::Controller)];
 RegisterBoard board;
 NoLog fault_log;
+RegisterPages settings_flash;
+umov::firmware::SettingsPages settings(settings_flash);
 
 }  // namespace
 
 extern "C" {
 
 void umov_check_entry() {
-  auto* controller = new (storage) umov::firmware::Controller(board, fault_log, {});
+  settings.begin();
+  auto* controller = new (storage)
+      umov::firmware::Controller(board, fault_log, {}, umov::firmware::default_axes, &settings);
   controller->start();
   auto* application = new (application_storage) Wires(*controller);
   auto* usb = new (usb_storage) umov::firmware::usb::Device(usb_port, *application, {});

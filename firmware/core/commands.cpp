@@ -127,9 +127,8 @@ void Controller::handle(const FrameView& frame, const protocol::SetAxis& message
 
 void Controller::handle(const FrameView& frame, const protocol::SetLockin& message) {
   if (sequencer_.active() || motion_.busy()) return refuse(frame, Refusal::wrong_state);
-  // The harmonic must lie below half the sample rate.
   constexpr std::int32_t harmonic_field = 1;
-  if (std::uint64_t{message.harmonic} * message.reference_mhz >= 500ull * sample_rate_hz) {
+  if (!lockin_allowed(message)) {
     return refuse(frame, Refusal::out_of_range, harmonic_field);
   }
   sequencer_.configure(message);

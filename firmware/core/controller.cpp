@@ -10,9 +10,10 @@ using protocol::Fault;
 using protocol::State;
 
 Controller::Controller(Board& board, PersistentLog& log, const Identity& identity,
-                       const AxisTable& axes)
+                       const AxisTable& axes, SettingsStore* settings)
     : board_(&board),
       log_(&log),
+      settings_(settings),
       identity_(identity),
       outputs_(board),
       motion_(board, axes),
@@ -23,6 +24,7 @@ Controller::Controller(Board& board, PersistentLog& log, const Identity& identit
 void Controller::start() {
   outputs_.reset();
   sequencer_.configure(default_lockin);
+  load_settings();
   switch (identity_.reset_cause) {
     case ResetCause::power_on:
       break;

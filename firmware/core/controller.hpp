@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "firmware/core/config/saved_settings.hpp"
 #include "firmware/core/link/link.hpp"
 #include "firmware/core/motion/motion.hpp"
 #include "firmware/core/port.hpp"
@@ -24,16 +25,18 @@ struct HandView {
   std::int32_t position_udeg = 0;
 };
 
-/// One a board, statically allocated; board and log must outlive it.
+/// One a board, statically allocated; board, log and settings must outlive it. Without a store of
+/// settings the built-in ones hold after each start, and saving is refused.
 /// Contexts (firmware/README.md): on_step_timer() in the timer interrupts, on_samples() in the
 /// sample interrupt, on_stall() to on_low_supply() in any interrupt; start(), tick() and
 /// on_link_bytes() in the main loop.
 class Controller {
  public:
   Controller(Board& board, PersistentLog& log, const Identity& identity,
-             const AxisTable& axes = default_axes);
+             const AxisTable& axes = default_axes, SettingsStore* settings = nullptr);
 
-  /// Once, when the hardware is ready: dark, gain 1, faults of the last reset latched.
+  /// Once, when the hardware is ready: dark, gain 1, saved settings in force, faults of the last
+  /// reset latched.
   void start();
   /// Each millisecond.
   void tick();
@@ -92,6 +95,14 @@ class Controller {
   // hand.cpp
   void follow_hand();
 
+  // settings.cpp
+  static bool lockin_allowed(const protocol::SetLockin& lockin);
+  SavedSettings settings_in_force() const;
+  bool take_over(const SavedSettings& settings);
+  void load_settings();
+  void handle(const FrameView& frame, const protocol::GetLockin& message);
+  void handle(const FrameView& frame, const protocol::SaveSettings& message);
+
   // commands.cpp
   void on_frame(const FrameView& frame);
   template <class M>
@@ -121,12 +132,14 @@ class Controller {
 
   Board* board_;
   PersistentLog* log_;
+  SettingsStore* settings_;
   Identity identity_;
   OpticsOutputs outputs_;
   Motion motion_;
   Sequencer sequencer_;
   Safety safety_;
   Link link_;
+  SavedSettings built_in_{};
   std::atomic<std::uint8_t> stalled_axes_{0};
   std::atomic<std::uint8_t> late_axes_{0};
   bool session_open_ = false;

@@ -99,6 +99,24 @@ class PersistentLog {
   ~PersistentLog() = default;
 };
 
+/// Settings that survive a reset (flash on hardware). Whoever saves them names their layout.
+class SettingsStore {
+ public:
+  /// none: nothing was ever saved. damaged: what was saved last fails its check. other_layout: it
+  /// is of firmware that keeps other settings.
+  enum class Loaded : std::uint8_t { good, none, damaged, other_layout };
+  /// Fills `settings` when the answer is good.
+  virtual Loaded load(std::uint16_t layout, std::span<std::uint8_t> settings) const = 0;
+  /// Returns when they are safe; false: those saved before stay.
+  virtual bool save(std::uint16_t layout, std::span<const std::uint8_t> settings) = 0;
+
+ protected:
+  SettingsStore() = default;
+  SettingsStore(const SettingsStore&) = default;
+  SettingsStore& operator=(const SettingsStore&) = default;
+  ~SettingsStore() = default;
+};
+
 /// Why the board started, as its reset flags tell.
 enum class ResetCause : std::uint8_t { power_on, watchdog, brown_out, processor_fault };
 

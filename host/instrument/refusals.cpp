@@ -91,7 +91,7 @@ RefusalText refusal_text(const protocol::ErrorReply& reply) {
               "home the axes: umov device home"};
     case Refusal::outside_limits:
       return {"the position lies outside the limits of the axis" + axis_or_nothing(reply.detail),
-              "change the plan, or the axis limits with umov device config"};
+              "change the plan, or the axis limits with umov device config set"};
     case Refusal::schema_mismatch:
       return {"it does not accept this program's protocol version",
               "flash the firmware of this release"};
@@ -99,6 +99,9 @@ RefusalText refusal_text(const protocol::ErrorReply& reply) {
       return {"its axes are still moving", "wait, then repeat"};
     case Refusal::stale_program:
       return {"it has another program in memory", "resume the scan, which starts it anew"};
+    case Refusal::not_stored:
+      return {"it could not store that",
+              "restart the controller, which tidies its memory, and repeat"};
   }
   return {"reason " + std::to_string(reply.code) + ", unknown to this program",
           "use the program release that fits the firmware"};

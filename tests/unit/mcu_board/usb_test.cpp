@@ -114,6 +114,20 @@ TEST_F(UsbOfTheBoard, AScanOverBulkGivesTheRecordsOfTheNativeBoard) {
   }
 }
 
+TEST_F(UsbOfTheBoard, AHostOnTheSerialLineIsNotPushedAsideByOneOnUsb) {
+  instrument::Session session(test::connect(board_), {.host_name = "on the line"});
+  test::home_all(session);
+  const auto all = rows(4);
+  test::Records records;
+  instrument::ProgramStream stream(
+      {.program_id = 3, .row_count = 4}, [&](std::uint32_t i) { return all[i]; }, records);
+  stream.run(session, [](const instrument::ProgramStream& s) { return s.next_index() < 2; });
+  const std::string refused = test::failure_of([&] { instrument::Session second(bulk()); });
+  EXPECT_NE(refused.find("in use by host 'on the line'"), std::string::npos) << refused;
+  stream.run(session);
+  EXPECT_EQ(records.all.size(), 4u);
+}
+
 TEST_F(UsbOfTheBoard, PulledAndPluggedInDuringAScanLosesNoRecordAndRepeatsNone) {
   const auto all = rows(30);
   test::Records records;
