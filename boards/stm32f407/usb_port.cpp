@@ -39,7 +39,8 @@ template <class Done>
 void wait_for(Done&& done) {
   constexpr std::uint32_t longest_wait_us = 100;
   const std::uint32_t begin = step_clock();
-  while (!done() && step_clock() - begin < longest_wait_us * (firmware::step_timer_hz / 1'000'000)) {
+  while (!done() &&
+         step_clock() - begin < longest_wait_us * (firmware::step_timer_hz / 1'000'000)) {
   }
 }
 
@@ -115,9 +116,9 @@ void UsbPort::begin_anew() {
   prepare_setup();
 }
 
-/// SETUP reaches endpoint 0 whatever it does, and the core clears EPENA before it reports the end of
-/// that phase (RM0090 34.16.4, DOEPCTL0). Before a reset's first SETUP it may be set still: OUT 0
-/// cannot be disabled, and its counters may not be written then.
+/// SETUP reaches endpoint 0 whatever it does, and the core clears EPENA before it reports the end
+/// of that phase (RM0090 34.16.4, DOEPCTL0). Before a reset's first SETUP it may be set still: OUT
+/// 0 cannot be disabled, and its counters may not be written then.
 void UsbPort::prepare_setup() {
   if ((otg_out(0).CTL & EPENA) == 0) otg_out(0).TSIZ = STUPCNT_3 | PKTCNT(1) | 64;
 }

@@ -24,6 +24,7 @@ const std::map<std::string, std::set<std::string>> allowed = {
     {"boards/native", {"protocol", "firmware"}},
     {"boards/stm32f407", {"protocol", "firmware"}},
     {"host/errors", {}},
+    {"host/net", {"host/errors"}},
     {"host/parallel", {}},
     {"host/parallel/ranks", {"host/errors"}},
     {"host/toml", {"host/errors"}},
@@ -33,7 +34,7 @@ const std::map<std::string, std::set<std::string>> allowed = {
     {"host/surface",
      {"host/errors", "host/toml", "host/optics", "host/brdf", "host/formats", "host/trace"}},
     {"host/formats", {"host/errors", "host/optics", "host/brdf"}},
-    {"host/instrument", {"host/errors", "protocol"}},
+    {"host/instrument", {"host/errors", "host/net", "protocol"}},
     {"host/scan",
      {"host/errors", "host/toml", "host/optics", "host/formats", "host/instrument", "protocol"}},
     {"host/calibrate",
@@ -64,7 +65,7 @@ const std::map<std::string, std::set<std::string>> allowed = {
     // formats.
     {"hil/blind", {"hil/plant", "host/optics", "host/errors", "host/toml", "host/formats"}},
     // A virtual cable between a kernel and anything with a USB connector; it knows no instrument.
-    {"hil/usbip", {"host/errors", "firmware"}},
+    {"hil/usbip", {"host/errors", "host/net", "firmware"}},
     {"host/cli/emulator",
      {"host/errors", "host/optics", "host/instrument", "boards/native", "firmware", "hil/plant",
       "hil/usbip", "protocol"}},

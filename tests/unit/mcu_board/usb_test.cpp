@@ -7,6 +7,7 @@
 #include "hil/mcu/board/mcu_board.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/schema.hpp"
+#include "tests/unit/failure.hpp"
 #include "tests/unit/mcu_board/noisy_stages.hpp"
 #include "tests/unit/mcu_board/scan_run.hpp"
 #include "tests/unit/mcu_board/usb_cable.hpp"
@@ -122,7 +123,7 @@ TEST_F(UsbOfTheBoard, AHostOnTheSerialLineIsNotPushedAsideByOneOnUsb) {
   instrument::ProgramStream stream(
       {.program_id = 3, .row_count = 4}, [&](std::uint32_t i) { return all[i]; }, records);
   stream.run(session, [](const instrument::ProgramStream& s) { return s.next_index() < 2; });
-  const std::string refused = test::failure_of([&] { instrument::Session second(bulk()); });
+  const std::string refused = failure_of([&] { instrument::Session second(bulk()); });
   EXPECT_NE(refused.find("in use by host 'on the line'"), std::string::npos) << refused;
   stream.run(session);
   EXPECT_EQ(records.all.size(), 4u);
