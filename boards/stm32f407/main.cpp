@@ -7,6 +7,7 @@
 #include <new>
 #include <string_view>
 
+#include "boards/stm32f407/chip_serial.hpp"
 #include "boards/stm32f407/clock.hpp"
 #include "boards/stm32f407/flash_log.hpp"
 #include "boards/stm32f407/registers/core.hpp"
@@ -54,12 +55,6 @@ void start_interrupts() {
   systick().RVR = core_hz / 1000 - 1;
   systick().CVR = 0;
   systick().CSR = systick_bits::ENABLE | systick_bits::TICKINT | systick_bits::CLKSOURCE;
-}
-
-/// The chip's 96-bit number as 24 hexadecimal digits.
-std::array<char, 24> chip_serial() {
-  const auto* id = reinterpret_cast<const volatile std::uint32_t*>(memory_map::unique_id);
-  return firmware::usb::serial_of_chip({id[0], id[1], id[2]});
 }
 
 firmware::Identity identity(const ResetReport& reset, std::uint32_t boot_id) {
@@ -174,6 +169,10 @@ int main() {
       controller->tick();
       usb->tick(board.time_us());
       if (!controller->motion().busy() && !board.supply_low()) fault_log.service();
+      if (usb_application.detached()) {
+        usb_port.disconnect();
+        reset_with(BootRequest::update);
+      }
     }
     // An interrupt between the look at the flag and here only costs the rest of this millisecond's
     // sleep if it was not the tick; a tick is looked for with interrupts held off.

@@ -86,7 +86,13 @@ constexpr Table make_table() {
   return table;
 }
 
-/// The image's own vectors, at its beginning.
+/// Room for the image's header, which the build fills in (protocol/image_header.hpp).
+struct HeaderRoom {
+  std::uint8_t bytes[512];
+};
+[[gnu::section(".image_header"), gnu::used]] constinit const HeaderRoom header_room = {};
+
+/// The image's own vectors, behind its header.
 [[gnu::section(".vectors"), gnu::used]] constinit const Table vectors = make_table();
 
 /// What the chip reads at power-on while no boot loader is there: it goes straight to the image.

@@ -1,6 +1,7 @@
 // What the USB stack asks of this board: the controller behind it.
 #pragma once
 
+#include "boards/stm32f407/boot_request.hpp"
 #include "firmware/core/controller.hpp"
 #include "firmware/core/usb/application.hpp"
 
@@ -28,10 +29,15 @@ class UsbApplication final : public firmware::usb::Application {
             .axis = axis,
             .position_udeg = view.position_udeg};
   }
-  /// There is no boot loader to go to: the program stays where it is.
-  void on_detach() override {}
+  bool detach_allowed() const override {
+    return has_boot_loader() && !controller_->sequencer().active() && !controller_->motion().busy();
+  }
+  void on_detach() override { detached_ = true; }
+  /// The host has been told that the program ends.
+  bool detached() const { return detached_; }
 
  private:
+  bool detached_ = false;
   firmware::Controller* controller_ = nullptr;
 };
 

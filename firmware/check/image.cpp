@@ -106,6 +106,7 @@ class Wires final : public umov::firmware::usb::Application {
     return {static_cast<std::uint8_t>(view.state), static_cast<std::uint8_t>(view.fault),
             view.homed_mask, axis, view.position_udeg};
   }
+  bool detach_allowed() const override { return reg[63] != 0; }
   void on_detach() override { reg[50] = 1; }
 
  private:

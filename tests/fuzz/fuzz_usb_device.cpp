@@ -34,6 +34,7 @@ class Quiet final : public firmware::usb::Application {
     fuzz::require(axis < protocol::axis_count);
     return {.axis = axis, .position_udeg = position};
   }
+  bool detach_allowed() const override { return true; }
   void on_detach() override {}
   std::size_t heard = 0;
   std::int32_t position = 0;

@@ -48,6 +48,10 @@ inline void enable(Irq irq) {
   const auto number = static_cast<unsigned>(irq);
   at<Register>(memory_map::nvic + 4 * (number / 32)) = bit(number % 32);
 }
+inline void clear_pending(Irq irq) {
+  const auto number = static_cast<unsigned>(irq);
+  at<Register>(memory_map::nvic + 0x180 + 4 * (number / 32)) = bit(number % 32);
+}
 /// Priority of SysTick, exception 15.
 inline void set_systick_priority(unsigned priority) {
   change_bits(scb().SHPR[2], 0xFFu << 24, priority << 28);

@@ -99,7 +99,8 @@ struct McuBoard::Impl final : Surroundings {
     for (std::size_t i = 0; i < wiring::gain_pins.size(); ++i)
       use(wiring::gain_pins[i]) = {Role::gain, static_cast<int>(i)};
     use(wiring::shutter_pin) = {Role::shutter, 0};
-    chip.flash(read_elf(options.image));
+    if (!options.image.empty()) chip.flash(read_elf(options.image));
+    if (!options.boot_loader.empty()) chip.flash(read_elf(options.boot_loader));
     look_at_inputs();
     chip.reset(ResetSource::power_on);
   }
@@ -266,6 +267,11 @@ void McuBoard::reset(ResetSource source) {
 
 usbip::UsbFunction& McuBoard::usb() {
   return impl_->usb;
+}
+
+bool McuBoard::usb_connected() {
+  const OtgFs* usb = impl_->chip.usb();
+  return usb != nullptr && usb->connected();
 }
 
 Stm32f407& McuBoard::chip() {

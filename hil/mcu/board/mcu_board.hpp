@@ -17,8 +17,10 @@ namespace umov::mcu {
 
 /// Choices at the start of an emulated board.
 struct McuBoardOptions {
-  /// The image, umov-stm32f407.elf.
+  /// The image, umov-stm32f407.elf; empty: none, a board as it leaves the factory.
   std::string image;
+  /// The boot loader, umov-stm32f407-boot.elf; empty: the chip goes straight to the image.
+  std::string boot_loader{};
   ChipOptions chip{};
   /// Called at every rising edge of a step pin with the axis and the moment; may be empty.
   std::function<void(int axis, Time moment)> on_step{};
@@ -56,6 +58,8 @@ class McuBoard {
 
   /// The USB connector, for a virtual cable.
   usbip::UsbFunction& usb();
+  /// Whether the program shows itself to a USB host (pull-up on D+).
+  bool usb_connected();
 
   Stm32f407& chip();
   const Stm32f407& chip() const;

@@ -17,7 +17,7 @@ using protocol::Fault;
 using protocol::State;
 
 constexpr std::uint32_t log_offset = 0x1'0000, log_bytes = 64 * 1024, entry_bytes = 24;
-constexpr std::uint32_t vectors_offset = 0x2'0000;
+constexpr std::uint32_t vectors_offset = 0x2'0200;  // behind the image's header
 
 class SafetyOfTheBoard : public testing::Test {
  protected:

@@ -33,12 +33,14 @@ class Recorder final : public fu::Application {
     now.axis = axis;
     return now;
   }
+  bool detach_allowed() const override { return may_detach; }
   void on_detach() override { ++detaches; }
 
   Bytes received;
   std::vector<fu::HandReport> hand_reports;
   fu::HandState state{};
   int detaches = 0;
+  bool may_detach = true;
 };
 
 struct Outcome {
