@@ -338,6 +338,56 @@ void Stm32f407::reset(ResetSource source) {
   }
   core_ = std::make_unique<Core>(*this, at);
   core_->cpu.reset(Flash::base);
+  in_rom_ = boot0_;
+  for (const std::uint32_t address : breakpoints_) core_->cpu.add_breakpoint(address);
+}
+
+void Stm32f407::set_nrst(bool high) {
+  if (high == nrst_) return;
+  nrst_ = high;
+  reset(ResetSource::pin);
+}
+
+void Stm32f407::step() {
+  Core& c = *core_;
+  c.scheduler.run_until(c.cpu.now());
+  if (runs_program()) c.cpu.step();
+  c.cpu.take_breakpoint();
+}
+
+void Stm32f407::set_breakpoint(std::uint32_t address, bool on) {
+  if (on) {
+    breakpoints_.insert(address);
+    if (core_) core_->cpu.add_breakpoint(address);
+  } else {
+    breakpoints_.erase(address);
+    if (core_) core_->cpu.remove_breakpoint(address);
+  }
+}
+
+void Stm32f407::clear_breakpoints() {
+  while (!breakpoints_.empty()) set_breakpoint(*breakpoints_.begin(), false);
+}
+
+std::uint32_t Stm32f407::debug_register(int number) const {
+  return core_ ? core_->cpu.debug_register(number) : 0;
+}
+
+void Stm32f407::set_debug_register(int number, std::uint32_t value) {
+  if (core_) core_->cpu.set_debug_register(number, value);
+}
+
+std::vector<std::uint8_t> Stm32f407::read_memory(std::uint32_t address, std::uint32_t size) const {
+  const std::uint8_t* from = core_ ? core_->cpu.find_memory(address, size) : nullptr;
+  if (from == nullptr) return {};
+  return {from, from + size};
+}
+
+bool Stm32f407::write_memory(std::uint32_t address, std::span<const std::uint8_t> bytes) {
+  if (address < sram_base || address - sram_base + bytes.size() > sram_size) return false;
+  std::copy(bytes.begin(), bytes.end(),
+            sram_.begin() + static_cast<std::ptrdiff_t>(address - sram_base));
+  return true;
 }
 
 Time Stm32f407::now() const {
@@ -347,7 +397,7 @@ Time Stm32f407::now() const {
 void Stm32f407::run_until(Time limit) {
   if (!core_) reset(ResetSource::power_on);
   paused_ = false;
-  while (core_->cpu.now() < limit && !paused_) {
+  while (core_->cpu.now() < limit && !paused_ && !halted_) {
     Core& c = *core_;
     c.scheduler.run_until(c.cpu.now());
     if (c.watchdog_expired) {
@@ -365,7 +415,12 @@ void Stm32f407::run_until(Time limit) {
       c.cpu.skip_to(std::min({limit, c.scheduler.next(), stands_until_}));
       continue;
     }
+    if (!runs_program()) {
+      c.cpu.skip_to(std::min(limit, c.scheduler.next()));
+      continue;
+    }
     c.cpu.run(std::min(limit, c.scheduler.next()));
+    if (c.cpu.take_breakpoint()) halted_ = true;
   }
 }
 

@@ -193,7 +193,7 @@ struct McuBoard::Impl final : Surroundings {
   void drive(Pin pin, std::optional<bool> level) { chip.drive_pin(port(pin), number(pin), level); }
 
   void run_until(Time limit) {
-    while (chip.now() < limit) {
+    while (chip.now() < limit && !chip.halted()) {
       look_at_inputs();
       chip.run_until(std::min(limit, chip.now() + look_interval));
       if (until_output && !output.empty()) return;

@@ -60,6 +60,7 @@ const std::map<std::string, std::set<std::string>> allowed = {
     {"hil/plant", {"host/optics", "host/errors", "host/toml"}},
     // The chip knows nothing of what runs on it; its wiring reads the board's description.
     {"hil/mcu", {"host/errors"}},
+    {"hil/mcu/gdb", {"hil/mcu", "host/net", "host/errors"}},
     {"hil/mcu/board", {"hil/mcu", "hil/usbip", "host/errors", "boards/stm32f407"}},
     // Withheld cases are made by the plant and written as Scan CSV; see also the test on its
     // formats.
@@ -70,7 +71,7 @@ const std::map<std::string, std::set<std::string>> allowed = {
      {"host/errors", "host/optics", "host/instrument", "boards/native", "firmware", "hil/plant",
       "hil/usbip", "protocol"}},
     {"host/cli/emulator/mcu",
-     {"host/cli/emulator", "host/instrument", "hil/mcu", "hil/mcu/board", "hil/plant",
+     {"host/cli/emulator", "host/instrument", "hil/mcu", "hil/mcu/board", "hil/mcu/gdb", "hil/plant",
       "hil/usbip"}},
     {"host/cli/study",
      {"host/gap/answer", "host/gap/benchmark", "host/errors", "host/parallel", "host/optics",
