@@ -165,8 +165,15 @@ struct NativeBoard::Impl final : firmware::Board {
     } else {
       next_tick += ticks_per_ms;
       controller->tick();
+      send_all();
     }
     return true;
+  }
+
+  /// The main loop of a process has nothing else to look at.
+  void send_all() {
+    while (controller->send_more()) {
+    }
   }
 
   void take_step(int axis) {
@@ -209,6 +216,7 @@ NativeBoard& NativeBoard::operator=(NativeBoard&&) noexcept = default;
 
 void NativeBoard::deliver(std::span<const std::uint8_t> bytes) {
   impl_->controller->on_link_bytes(bytes);
+  impl_->send_all();
 }
 
 std::size_t NativeBoard::take_output(std::vector<std::uint8_t>& buffer) {

@@ -174,6 +174,7 @@ int main() {
         reset_with(BootRequest::update);
       }
     }
+    if (controller->send_more()) continue;
     // An interrupt between the look at the flag and here only costs the rest of this millisecond's
     // sleep if it was not the tick; a tick is looked for with interrupts held off.
     const CriticalSection alone;

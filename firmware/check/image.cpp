@@ -156,6 +156,7 @@ void umov_check_entry() {
     if (reg[67] != 0) controller->on_overheat();
     if (reg[68] != 0) controller->on_low_supply();
     controller->tick();
+    reg[69] = controller->send_more();
   }
 }
 

@@ -172,13 +172,19 @@ void Controller::send_what_is_due() {
   send_credit();
 }
 
+bool Controller::send_more() {
+  if (!session_open_ || link_.silent() || !sequencer_.records().unsent()) return false;
+  send_records();
+  return sequencer_.records().unsent() && link_.has_room<protocol::Record>();
+}
+
 void Controller::send_records() {
   RecordRing& records = sequencer_.records();
   const std::uint64_t now = board_->link_time_us();
   if (records.sent_unacknowledged() && now - records_sent_at_us_ >= record_resend_us) {
     records.send_all_again();
   }
-  while (records.unsent()) {
+  for (int sent = 0; sent < records_per_turn && records.unsent(); ++sent) {
     const bool oldest = !records.sent_unacknowledged();
     if (!link_.tell(records.to_send())) break;
     records.mark_sent();

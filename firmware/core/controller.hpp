@@ -42,6 +42,9 @@ class Controller {
   void tick();
   /// Bytes from the host, in chunks of any size.
   void on_link_bytes(std::span<const std::uint8_t> bytes);
+  /// As often as a board's main loop likes: sends more of what waits. True when there is more that
+  /// the link has room for.
+  bool send_more();
   /// A step is due; ticks to the next, 0 = none.
   std::uint32_t on_step_timer(int axis) { return motion_.on_step_timer(axis); }
   /// Codes of both channels, equal lengths, in the order sampled.

@@ -28,6 +28,7 @@ class Deaf final : public firmware::usb::Application {
   void on_link_bytes(std::span<const std::uint8_t>) override {}
   void on_hand_report(const firmware::usb::HandReport&) override {}
   firmware::usb::HandState hand_state(std::uint8_t axis) const override { return {.axis = axis}; }
+  bool detach_allowed() const override { return true; }
   void on_detach() override {}
 };
 
