@@ -14,7 +14,7 @@ from provenance import SOURCE, busy, commit, machine  # noqa: E402
 
 PAGE = """# The controller, measured on the emulated board
 
-The image that is flashed runs on the emulated STM32F407 (`hil/mcu`). Command `./dev bench controller`, commit {commit},
+The image that is flashed runs on the emulated STM32F407 (`hil/mcu`). Command `./dev bench controller{options}`, commit {commit},
 {machine}, {load}.
 
 **Instructions, not cycles**: the emulation counts each instruction as one cycle of 168 MHz and adds 24 for an interrupt's
@@ -60,7 +60,8 @@ def main():
                            build / "firmware/boards/stm32f407/CMakeFiles/umov-stm32f407.dir"], check=True, text=True,
                           capture_output=True).stdout
     pathlib.Path(arguments.output).write_text(
-        PAGE.format(commit=commit(), machine=machine(), load=load, figures=figures.strip(), limits=limits.strip(), size=size.strip()),
+        PAGE.format(options="" if arguments.steps == "1e7" else f" --steps {arguments.steps}", commit=commit(),
+                    machine=machine(), load=load, figures=figures.strip(), limits=limits.strip(), size=size.strip()),
         encoding="utf-8")
 
 
