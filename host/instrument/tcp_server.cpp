@@ -141,6 +141,8 @@ bool TcpServer::wait(std::chrono::microseconds timeout) {
   if (news && s.client && s.client_has_gone()) s.drop_client();
   if (requests[0].revents != 0) {
     while (net::Socket socket = s.listener.accept()) {
+      // Both may have happened since the last look: the client went, another came.
+      if (s.client && s.client_has_gone()) s.drop_client();
       if (s.client) {
         s.refuse(std::move(socket));
       } else {

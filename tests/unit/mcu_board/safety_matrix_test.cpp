@@ -309,6 +309,7 @@ void write_row(const std::string& row) {
 
 std::string measured(double instructions) {
   if (instructions < 0) return "dark already";
+  if (instructions <= 1) return "at once";
   if (instructions < 1e5) return std::to_string(std::lround(instructions)) + " instructions";
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.1f ms", instructions / core_hz * 1e3);
