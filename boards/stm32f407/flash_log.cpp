@@ -76,21 +76,18 @@ std::uint32_t FlashLog::begin() {
     }
   }
   const std::uint32_t number = std::max(starts, Refuge().newest) + 1;
-  if (used_ > full_from) {
-    make_room(number);
-  } else {
-    write(start_kind, {.boot_id = number});
-  }
+  if (used_ <= full_from || !make_room(number)) write(start_kind, {.boot_id = number});
   return number;
 }
 
-void FlashLog::make_room(std::uint32_t number) {
+bool FlashLog::make_room(std::uint32_t number) {
   // Without the number in safety a power cut from here on would begin at 1 again.
-  if (!Refuge().keep(number) || !erase(log_area)) return;
+  if (!Refuge().keep(number) || !erase(log_area)) return false;
   used_ = 0;
   unwritten_ = count_;
   write(start_kind, {.boot_id = number});
   service();
+  return true;
 }
 
 void FlashLog::keep(const firmware::LoggedFault& entry) {

@@ -31,7 +31,8 @@ class FlashLog final : public firmware::PersistentLog {
 
  private:
   void keep(const firmware::LoggedFault& entry);
-  void make_room(std::uint32_t number);
+  /// Empties the sector and notes this start; false when it was left as it was.
+  bool make_room(std::uint32_t number);
   bool write(std::uint32_t kind, const firmware::LoggedFault& entry);
 
   std::array<firmware::LoggedFault, capacity> newest_{};  // ring
