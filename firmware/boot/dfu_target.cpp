@@ -86,6 +86,7 @@ ControlAnswer DfuTarget::download(const usb::Request& request, bool older_too) {
   }
   state_ = State::manifest_sync;
   due_ = true;
+  check_.reset();
   return ControlAnswer::accept();
 }
 
@@ -205,8 +206,11 @@ void DfuTarget::store_block() {
 }
 
 void DfuTarget::verify() {
-  ImageHeader header;
-  switch (check_image(flash_->contents(Place::staged), *trust_, header)) {
+  if (!check_) check_.emplace(flash_->contents(Place::staged), *trust_);
+  if (check_->step()) return;
+  const Verdict verdict = check_->verdict();
+  check_.reset();
+  switch (verdict) {
     case Verdict::good:
       break;
     case Verdict::bad_signature:
@@ -221,7 +225,7 @@ void DfuTarget::verify() {
     return;
   }
   installing_ = true;
-  if (!installer_.begin()) fail(Status::program_failed, Reason::flash_failed);
+  if (!installer_.begin(true)) fail(Status::program_failed, Reason::flash_failed);
 }
 
 }  // namespace umov::firmware::boot

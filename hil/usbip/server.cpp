@@ -181,6 +181,12 @@ std::uint16_t Server::listen(std::uint16_t port, const std::string& address) {
                                            : reinterpret_cast<const sockaddr_in&>(bound).sin_port);
 }
 
+void Server::replace(ExportedDevice device) {
+  for (auto& present : impl_->devices) {
+    if (present.bus_id == device.bus_id) present = std::move(device);
+  }
+}
+
 void Server::plug_into_kernel(const std::string& bus_id) {
   const ExportedDevice* device = impl_->find(bus_id);
   if (device == nullptr) throw Error("no device " + bus_id, "devices are numbered from 1-1");

@@ -15,6 +15,7 @@
 #include "host/cli/command.hpp"
 #include "host/cli/device_choice.hpp"
 #include "host/cli/device_config.hpp"
+#include "host/cli/device_flash.hpp"
 #include "host/cli/device_session.hpp"
 #include "host/cli/interrupt.hpp"
 #include "host/errors/error.hpp"
@@ -347,6 +348,7 @@ void add_device_command(CLI::App& root, const Common& common) {
       ->required();
   jog_command->add_option("target", options->target, "degrees, or open")->required();
   add_device_config_command(*command, common);
+  add_device_flash_commands(*command, common);
   add("log", "the fault log, newest first", log)
       ->add_flag("--clear", options->clear, "clear the latched faults as well");
 }
