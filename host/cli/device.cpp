@@ -308,6 +308,8 @@ void list(const Common& common) {
                device["about"].get<std::string>());
     closed = closed || !device.value("accessible", true);
   }
+  fmt::print("{:<32} controller's serial line, 1,000,000 baud unless ?baud= is added\n",
+             "serial:/dev/ttyUSB0");
   fmt::print("{:<32} controller or `umov emulator` on the network\n", "tcp:HOST:PORT");
   if (common.quiet) return;
   if (!trouble.empty()) fmt::print(stderr, "{}\n", trouble);
