@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
@@ -13,11 +15,14 @@
 #include "host/cli/progress.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/atomic_file.hpp"
+#include "host/instrument/boot_lines.hpp"
 #include "host/instrument/device_names.hpp"
 #include "host/instrument/firmware_image.hpp"
+#include "host/instrument/rom_loader.hpp"
 #include "host/instrument/session.hpp"
 #include "host/instrument/usb_transport.hpp"
 #include "host/instrument/usb_update.hpp"
+#include "host/toml/parse.hpp"
 
 namespace umov::cli {
 namespace {
@@ -30,6 +35,8 @@ struct Options {
   std::string device = "usb";
   std::string backup;
   bool older_too = false;
+  std::string rom;
+  std::string boot_loader;
   std::string key;
   std::string version;
   std::string output;
@@ -86,6 +93,18 @@ void send(instrument::DfuPipe& boot_loader, const FirmwareImage& image, const Co
                            });
 }
 
+/// Serial number of the one controller that is plugged in, waited for.
+std::string only_controller() {
+  const auto deadline = std::chrono::steady_clock::now() + reappears_within;
+  for (;;) {
+    const auto found = instrument::list_usb_devices();
+    if (!found.empty() || std::chrono::steady_clock::now() >= deadline) {
+      return instrument::choose_device(found, "usb", {}).serial;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  }
+}
+
 /// The program that answers now must be the one that was sent.
 void check_running(const std::string& serial, const FirmwareImage& image) {
   const std::string name = "usb:" + serial;
@@ -102,12 +121,59 @@ void check_running(const std::string& serial, const FirmwareImage& image) {
   }
 }
 
+/// "[reset] chip = …, boot0 = N, nrst = N" of a TOML file.
+instrument::BootLineNames read_lines(const std::string& path) {
+  constexpr const char* remedy =
+      "write for instance:\n[reset]\nchip = \"mcp2221_gpio\"\nboot0 = 0\nnrst = 1";
+  const auto table = parse_toml(formats::read_whole_file(path, 1 << 20), path, remedy);
+  const auto chip = table["reset"]["chip"].value<std::string>();
+  const auto boot0 = table["reset"]["boot0"].value<std::int64_t>();
+  const auto nrst = table["reset"]["nrst"].value<std::int64_t>();
+  constexpr std::int64_t most_lines = 1024;
+  const auto is_line = [](const std::optional<std::int64_t>& line) {
+    return line && *line >= 0 && *line < most_lines;
+  };
+  if (!chip || !is_line(boot0) || !is_line(nrst)) {
+    throw Error(Place{.file = path}, "[reset] needs chip, boot0 and nrst", remedy);
+  }
+  return {*chip, static_cast<unsigned>(*boot0), static_cast<unsigned>(*nrst)};
+}
+
+/// By the loader in the chip's ROM, which needs nothing in the flash and checks nothing.
+void flash_by_rom(const Options& options, const FirmwareImage& image, const Common& common) {
+  constexpr std::chrono::seconds appears_within{5};
+  std::string boot_loader;
+  if (!options.boot_loader.empty()) {
+    boot_loader = formats::read_whole_file(options.boot_loader, instrument::rom::boot_loader_room);
+  }
+  instrument::BootLines lines(read_lines(options.rom));
+  lines.reset(true);
+  {
+    const auto loader = instrument::open_rom_loader(appears_within);
+    Progress progress("writing", common.quiet);
+    const auto tell = [&](instrument::UpdatePhase, std::size_t done, std::size_t total) {
+      progress.update(static_cast<double>(done), static_cast<double>(total));
+    };
+    if (!boot_loader.empty()) {
+      instrument::rom_write(
+          *loader, instrument::rom::boot_loader_address,
+          {reinterpret_cast<const std::uint8_t*>(boot_loader.data()), boot_loader.size()}, tell);
+    }
+    instrument::rom_write(*loader, instrument::rom::image_address, image.bytes, tell);
+  }
+  lines.reset(false);
+}
+
 void flash(const Options& options, const Common& common) {
   const std::string wanted = serial_from(options.device);
   const auto image = instrument::read_firmware_image(options.image);
   if (!common.quiet) fmt::print(stderr, "{}: {}\n", options.image, describe(image));
-  const std::string serial = enter_boot_loader(wanted);
-  {
+  std::string serial;
+  if (!options.rom.empty()) {
+    flash_by_rom(options, image, common);
+    serial = wanted.empty() ? only_controller() : wanted;
+  } else {
+    serial = enter_boot_loader(wanted);
     const auto boot_loader = instrument::open_boot_loader(serial, options.older_too);
     if (!options.backup.empty()) {
       const auto running = instrument::dfu_upload(*boot_loader);
@@ -155,6 +221,13 @@ void add_device_flash_commands(CLI::App& device, const Common& common) {
                           "also an image older than the one that runs");
   flash_command->add_option("--backup", options->backup,
                             "first read the running image into a file");
+  auto* rom = flash_command->add_option(
+      "--rom", options->rom,
+      "use the loader in the chip's ROM, entered by the GPIO lines that this TOML file names");
+  flash_command
+      ->add_option("--boot-loader", options->boot_loader,
+                   "with --rom: umov-BOARD-boot.bin, written first")
+      ->needs(rom);
   flash_command->callback([options, &common] { flash(*options, common); });
 
   auto* sign_command = device.add_subcommand("sign", "sign an image with a key of one's own");

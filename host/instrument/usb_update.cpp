@@ -7,6 +7,7 @@
 
 #include "host/instrument/libusb_handles.hpp"
 #include "host/instrument/link_lost.hpp"
+#include "host/instrument/rom_loader.hpp"
 #include "protocol/dfu.hpp"
 #include "protocol/usb.hpp"
 
@@ -133,6 +134,50 @@ std::unique_ptr<DfuPipe> open_boot_loader(const std::string& serial, bool older_
   }
   if (code != 0) throw LinkLost(name, std::string("cannot use it: ") + libusb_strerror(code));
   return std::make_unique<LibusbDfuPipe>(std::move(context), std::move(handle), name);
+}
+
+std::unique_ptr<DfuPipe> open_rom_loader(std::chrono::seconds limit) {
+  constexpr std::uint16_t st_vendor = 0x0483, rom_loader = 0xDF11;  // AN2606
+  const std::string name = "ROM loader 0483:df11";
+  const auto deadline = std::chrono::steady_clock::now() + limit;
+  for (;;) {
+    UsbContext context = open_usb_context();
+    libusb_device** list = nullptr;
+    const auto count = libusb_get_device_list(context.get(), &list);
+    std::vector<libusb_device*> found;
+    for (ssize_t i = 0; i < count; ++i) {
+      libusb_device_descriptor descriptor{};
+      if (libusb_get_device_descriptor(list[i], &descriptor) == 0 &&
+          descriptor.idVendor == st_vendor && descriptor.idProduct == rom_loader) {
+        found.push_back(list[i]);
+      }
+    }
+    libusb_device_handle* raw = nullptr;
+    int code = LIBUSB_ERROR_NO_DEVICE;
+    if (found.size() == 1) code = libusb_open(found[0], &raw);
+    UsbHandle handle(raw);
+    if (count >= 0) libusb_free_device_list(list, 1);
+    if (found.size() > 1) {
+      throw Error({name}, "more than one chip is in its ROM loader", "unplug the others");
+    }
+    if (handle) {
+      // Setting 0 is the flash.
+      code = libusb_claim_interface(handle.get(), 0);
+      if (code == 0) code = libusb_set_interface_alt_setting(handle.get(), 0, 0);
+    }
+    if (code == 0) {
+      return std::make_unique<LibusbDfuPipe>(std::move(context), std::move(handle), name);
+    }
+    if (std::chrono::steady_clock::now() >= deadline) {
+      if (code == LIBUSB_ERROR_ACCESS) {
+        throw Error({name}, "you may not open it",
+                    "run as root, or add a rule for udev for 0483:df11");
+      }
+      throw Error({name}, "it does not appear on USB",
+                  "check the USB cable and the lines BOOT0 (high) and NRST (a pulse to low)");
+    }
+    std::this_thread::sleep_for(look_again);
+  }
 }
 
 bool wait_for_device(const std::function<std::vector<UsbDeviceInfo>()>& list,
