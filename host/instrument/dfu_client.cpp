@@ -14,7 +14,7 @@ using std::chrono::milliseconds;
 
 /// A device that says it needs no time is asked again after this.
 constexpr milliseconds shortest_wait{1};
-/// Polls without an end to the work: with at least 30 ms each, minutes.
+/// Far more polls than the longest update needs.
 constexpr int most_polls = 4000;
 
 struct Report {

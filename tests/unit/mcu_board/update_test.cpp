@@ -209,7 +209,7 @@ TEST_F(UpdateOfTheBoard, APowerCutDuringAnUpdateLeavesAProgramThatStarts) {
   const auto newer = image_of(old.header.version + 5);
   struct Cut {};
   int olds = 0, news = 0;
-  for (const std::uint64_t after_ms : {1'000, 5'500, 6'150, 6'800, 7'250}) {
+  for (const std::uint64_t after_ms : {500, 2'000, 2'700, 3'400, 4'000}) {
     board_.reset(mcu::ResetSource::power_on);
     put(running, old.bytes);
     put(staged, Bytes(2 * 128 * 1024, 0xFF));
