@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "firmware/boot/installer.hpp"
@@ -71,6 +72,7 @@ class DfuTarget {
   bool working_ = false;     ///< the host knows that it has to wait
   bool installing_ = false;  ///< verified and marked
   bool leaving_ = false;
+  std::optional<ImageCheck> check_;
   ImageHeader header_{};
   std::uint32_t received_ = 0;
   std::uint32_t stored_ = 0;

@@ -26,8 +26,9 @@ class Installer {
 
   /// Marks the staged image, which must be good. False: the flash failed, nothing will happen.
   bool order();
-  /// Looks at the flash: whether there is something to be done by step().
-  bool begin();
+  /// Looks at the flash: whether there is something to be done by step(). The staged image is
+  /// checked unless it has been `verified` just now.
+  bool begin(bool verified);
   /// Nothing good runs and the previous image is good: begins to put that back.
   bool begin_restore();
 

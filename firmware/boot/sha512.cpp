@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <type_traits>
+#include <utility>
 
 namespace umov::firmware::boot {
 namespace {
@@ -39,29 +41,34 @@ void Sha512::take_block(const std::uint8_t* block) {
     for (std::size_t b = 0; b < 8; ++b) word = word << 8 | block[8 * i + b];
     w[i] = word;
   }
-  auto [a, b, c, d, e, f, g, h] = state_;
-  for (std::size_t t = 0; t < 80; ++t) {
+  std::array<std::uint64_t, 8> v = state_;
+  // Eight rounds in a row have the names of a to h move round once, instead of the words.
+  for (std::size_t t = 0; t < 80; t += 8) {
     if (t >= 16) {
-      const std::uint64_t w15 = w[(t + 1) % 16], w2 = w[(t + 14) % 16];
-      const std::uint64_t s0 = std::rotr(w15, 1) ^ std::rotr(w15, 8) ^ w15 >> 7;
-      const std::uint64_t s1 = std::rotr(w2, 19) ^ std::rotr(w2, 61) ^ w2 >> 6;
-      w[t % 16] += s0 + w[(t + 9) % 16] + s1;
+      for (std::size_t i = t; i < t + 8; ++i) {
+        const std::uint64_t w15 = w[(i + 1) % 16], w2 = w[(i + 14) % 16];
+        const std::uint64_t s0 = std::rotr(w15, 1) ^ std::rotr(w15, 8) ^ w15 >> 7;
+        const std::uint64_t s1 = std::rotr(w2, 19) ^ std::rotr(w2, 61) ^ w2 >> 6;
+        w[i % 16] += s0 + w[(i + 9) % 16] + s1;
+      }
     }
-    const std::uint64_t sum1 = std::rotr(e, 14) ^ std::rotr(e, 18) ^ std::rotr(e, 41);
-    const std::uint64_t t1 = h + sum1 + ((e & f) ^ (~e & g)) + round_constants[t] + w[t % 16];
-    const std::uint64_t sum0 = std::rotr(a, 28) ^ std::rotr(a, 34) ^ std::rotr(a, 39);
-    const std::uint64_t t2 = sum0 + ((a & b) ^ (a & c) ^ (b & c));
-    h = g;
-    g = f;
-    f = e;
-    e = d + t1;
-    d = c;
-    c = b;
-    b = a;
-    a = t1 + t2;
+    const auto round = [&]<std::size_t r>(std::integral_constant<std::size_t, r>) {
+      constexpr auto place = [](std::size_t letter) { return (letter + 8 - r) % 8; };
+      const std::uint64_t a = v[place(0)], b = v[place(1)], c = v[place(2)], e = v[place(4)],
+                          f = v[place(5)], g = v[place(6)];
+      const std::uint64_t sum1 = std::rotr(e, 14) ^ std::rotr(e, 18) ^ std::rotr(e, 41);
+      const std::uint64_t t1 =
+          v[place(7)] + sum1 + (g ^ (e & (f ^ g))) + round_constants[t + r] + w[(t + r) % 16];
+      const std::uint64_t sum0 = std::rotr(a, 28) ^ std::rotr(a, 34) ^ std::rotr(a, 39);
+      v[place(3)] += t1;
+      v[place(7)] = t1 + sum0 + ((a & (b | c)) | (b & c));
+    };
+    [&]<std::size_t... r>(std::index_sequence<r...>) {
+      (round(std::integral_constant<std::size_t, r>{}), ...);
+    }
+    (std::make_index_sequence<8>{});
   }
-  const std::array<std::uint64_t, 8> after = {a, b, c, d, e, f, g, h};
-  for (std::size_t i = 0; i < 8; ++i) state_[i] += after[i];
+  for (std::size_t i = 0; i < 8; ++i) state_[i] += v[i];
 }
 
 void Sha512::update(std::span<const std::uint8_t> bytes) {

@@ -4,17 +4,20 @@
 
 namespace umov::firmware::boot {
 
-bool make_runnable(Flash& flash, const Trust& trust) {
+void end_update(Flash& flash, const Trust& trust) {
   Installer installer(flash, trust);
-  ImageHeader header;
-  const auto running_is_good = [&] {
-    return check_image(flash.contents(Place::running), trust, header) == Verdict::good;
-  };
-  if (installer.begin()) {
-    while (installer.step()) {
-    }
+  if (!installer.begin(false)) return;
+  while (installer.step()) {
   }
+}
+
+bool make_runnable(Flash& flash, const Trust& trust) {
+  end_update(flash, trust);
+  const auto running_is_good = [&] {
+    return check_image(flash.contents(Place::running), trust) == Verdict::good;
+  };
   if (running_is_good()) return true;
+  Installer installer(flash, trust);
   if (!installer.begin_restore()) return false;
   while (installer.step()) {
   }

@@ -166,6 +166,12 @@ void Server::take_connection(net::Socket client) {
   impl_->take(std::move(client));
 }
 
+void Server::replace(ExportedDevice device) {
+  for (auto& present : impl_->devices) {
+    if (present.bus_id == device.bus_id) present = std::move(device);
+  }
+}
+
 void Server::plug_into_kernel(const std::string& bus_id) {
   const ExportedDevice* device = impl_->find(bus_id);
   if (device == nullptr) throw Error("no device " + bus_id, "devices are numbered from 1-1");

@@ -15,6 +15,8 @@
 #include "host/cli/command.hpp"
 #include "host/cli/device_choice.hpp"
 #include "host/cli/device_config.hpp"
+#include "host/cli/device_flash.hpp"
+#include "host/cli/device_selftest.hpp"
 #include "host/cli/device_session.hpp"
 #include "host/cli/interrupt.hpp"
 #include "host/errors/error.hpp"
@@ -118,39 +120,6 @@ void info(const Options& options, const Common& common) {
                axes[axis]["min_deg"].get<double>(), axes[axis]["max_deg"].get<double>(),
                axes[axis]["speed_deg_s"].get<double>(),
                (status.homed_mask >> axis & 1) != 0 ? "yes" : "no");
-  }
-}
-
-void let_work(Session& session) {
-  session.poll(std::chrono::milliseconds(50));
-  while (session.next_event()) {
-  }
-}
-
-/// Longest move of one axis, and longest search for its home switch.
-constexpr std::chrono::seconds axis_limit{120};
-
-/// Until the axes stand: idle, or paused where a program waits. Ctrl-C brakes them.
-void wait_until_arrived(Session& session, int axes) {
-  const auto limit = axes * axis_limit;
-  const auto deadline = session.clock_us() + instrument::to_us(limit);
-  for (;;) {
-    let_work(session);
-    const auto status = session.request(protocol::GetStatus{});
-    if (status.fault != 0) throw instrument::Faulted(session.name(), status.fault, "while moving");
-    const auto state = static_cast<protocol::State>(status.state);
-    if (state == protocol::State::idle || state == protocol::State::paused) return;
-    if (interrupt_flag().load()) {
-      session.request(protocol::Stop{});
-      throw Interrupted("stopped; the axes brake where they are");
-    }
-    if (session.clock_us() >= deadline) {
-      session.request(protocol::Stop{});
-      throw Error({session.name()},
-                  fmt::format("the controller is still {} after {} s",
-                              instrument::state_name(status.state), limit.count()),
-                  "it was told to stop; look at its axes and repeat the command");
-    }
   }
 }
 
@@ -310,6 +279,8 @@ void list(const Common& common) {
                device["about"].get<std::string>());
     closed = closed || !device.value("accessible", true);
   }
+  fmt::print("{:<32} controller's serial line, 1,000,000 baud unless ?baud= is added\n",
+             "serial:/dev/ttyUSB0");
   fmt::print("{:<32} controller or `umov emulator` on the network\n", "tcp:HOST:PORT");
   if (common.quiet) return;
   if (!trouble.empty()) fmt::print(stderr, "{}\n", trouble);
@@ -350,6 +321,8 @@ void add_device_command(CLI::App& root, const Common& common) {
       ->required();
   jog_command->add_option("target", options->target, "degrees, or open")->required();
   add_device_config_command(*command, common);
+  add_device_flash_commands(*command, common);
+  add_device_selftest_command(*command, common);
   add("log", "the fault log, newest first", log)
       ->add_flag("--clear", options->clear, "clear the latched faults as well");
 }

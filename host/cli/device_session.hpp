@@ -19,6 +19,14 @@ namespace umov::cli {
 
 instrument::Session open_session(const DeviceChoice& device, const Common& common);
 
+/// Lets the controller work for a moment; events are forgotten.
+void let_work(instrument::Session& session);
+
+/// Until the axes stand: idle, or paused where a program waits. Ctrl-C brakes them (Interrupted).
+/// `axes`: how many may move one after the other. Throws Faulted, umov::Error when it takes too
+/// long.
+void wait_until_arrived(instrument::Session& session, int axes);
+
 /// Number of the axis of that name. Throws umov::Error that lists the axes.
 std::uint8_t axis_by_name(const std::string& name);
 

@@ -32,6 +32,7 @@ struct Options {
   std::string address = "127.0.0.1";
   std::string image;
   int gdb_port = -1;
+  std::string boot_loader;
   bool real_time = false;
   bool list = false;
   bool parameters = false;
@@ -138,7 +139,7 @@ void serve_usb(const emulator::BenchOptions& bench, const Options& options, cons
   const auto keep_going = [] { return !interrupt_flag().load(); };
   if (options.image.empty()) return emulator::serve_usb(bench, serve_options, keep_going);
 #ifdef UMOV_EMULATED_BOARD
-  emulator::serve_image_usb(bench, options.image, serve_options, keep_going);
+  emulator::serve_image_usb(bench, {options.image, options.boot_loader}, serve_options, keep_going);
 #else
   refuse_image();
 #endif
@@ -178,7 +179,7 @@ void run(const Options& options, const Common& common) {
   const auto keep_going = [] { return !interrupt_flag().load(); };
   if (options.image.empty()) return emulator::serve(bench, serve_options, keep_going);
 #ifdef UMOV_EMULATED_BOARD
-  emulator::serve_image(bench, options.image, serve_options, keep_going);
+  emulator::serve_image(bench, {options.image, options.boot_loader}, serve_options, keep_going);
 #else
   refuse_image();
 #endif
@@ -205,11 +206,19 @@ void add_emulator_command(CLI::App& root, const Common& common) {
   command->add_flag("--gpio-adapter", options->gpio_adapter,
                     "with --usb or --plug-in: also a MCP2221A GPIO adapter (USB device 1-2), its "
                     "lines wired to BOOT0, NRST and the interlock (low opens it)");
+  auto* image =
+      command
+          ->add_option("--image", options->image,
+                       "run this image of the controller board (umov-stm32f407.elf) on an emulated "
+                       "STM32F407 instead of the firmware core as a process")
+          ->type_name("ELF");
   command
-      ->add_option("--image", options->image,
-                   "run this image of the controller board (umov-stm32f407.elf) on an emulated "
-                   "STM32F407 instead of the firmware core as a process")
-      ->type_name("ELF");
+      ->add_option(
+          "--boot-loader", options->boot_loader,
+          "with --image: start through this boot loader (umov-stm32f407-boot.elf), so that "
+          "the board can be updated over USB")
+      ->type_name("ELF")
+      ->needs(image);
   command
       ->add_option(
           "--gdb", options->gdb_port,

@@ -14,7 +14,7 @@ using std::chrono::milliseconds;
 
 /// A device that says it needs no time is asked again after this.
 constexpr milliseconds shortest_wait{1};
-/// Polls without an end to the work: with at least 30 ms each, minutes.
+/// Far more polls than the longest update needs.
 constexpr int most_polls = 4000;
 
 struct Report {
@@ -74,7 +74,15 @@ void wait_for(DfuPipe& device, State wanted, Each&& each) {
               "restart the controller and repeat the update");
 }
 
-void make_idle(DfuPipe& device) {
+}  // namespace
+
+UpdateRefused::UpdateRefused(const std::string& device, std::uint8_t status,
+                             const std::string& reason)
+    : Error({device}, "the controller refuses the update: " + reason,
+            "give an image of this board, signed with its key; an older one needs --allow-older"),
+      status_(status) {}
+
+void make_dfu_idle(DfuPipe& device) {
   for (int tries = 0; tries < most_polls; ++tries) {
     const Report report = report_of(device);
     switch (report.state) {
@@ -95,28 +103,28 @@ void make_idle(DfuPipe& device) {
               "restart the controller and repeat the update");
 }
 
-}  // namespace
+void wait_for_state(DfuPipe& device, dfu::State wanted) {
+  wait_for(device, wanted, [](int) {});
+}
 
-UpdateRefused::UpdateRefused(const std::string& device, std::uint8_t status,
-                             const std::string& reason)
-    : Error({device}, "the controller refuses the update: " + reason,
-            "give an image of this board, signed with its key; an older one needs --allow-older"),
-      status_(status) {}
+void throw_update_refused(DfuPipe& device) {
+  throw_refused(device, report_of(device));
+}
 
 void dfu_download(DfuPipe& device, std::span<const std::uint8_t> image,
                   const UpdateProgress& progress) {
-  make_idle(device);
+  make_dfu_idle(device);
   const auto tell = [&](UpdatePhase phase, std::size_t done, std::size_t total) {
     if (progress) progress(phase, done, total);
   };
   const auto send = [&](std::uint16_t block, std::span<const std::uint8_t> bytes) {
-    if (!device.write(dfu::download, block, bytes)) throw_refused(device, report_of(device));
+    if (!device.write(dfu::download, block, bytes)) throw_update_refused(device);
   };
   std::uint16_t block = 0;
   for (std::size_t at = 0; at < image.size(); ++block) {
     const std::size_t size = std::min<std::size_t>(dfu::transfer_bytes, image.size() - at);
     send(block, image.subspan(at, size));
-    wait_for(device, State::download_idle, [](int) {});
+    wait_for_state(device, State::download_idle);
     at += size;
     tell(UpdatePhase::sending, at, image.size());
   }
@@ -126,18 +134,18 @@ void dfu_download(DfuPipe& device, std::span<const std::uint8_t> image,
 }
 
 std::vector<std::uint8_t> dfu_upload(DfuPipe& device) {
-  make_idle(device);
+  make_dfu_idle(device);
   std::vector<std::uint8_t> image;
   for (std::uint16_t block = 0;; ++block) {
     const auto answer = device.read(dfu::upload, block, dfu::transfer_bytes);
-    if (!answer.good) throw_refused(device, report_of(device));
+    if (!answer.good) throw_update_refused(device);
     image.insert(image.end(), answer.bytes.begin(), answer.bytes.end());
     if (answer.bytes.size() < dfu::transfer_bytes) return image;
   }
 }
 
 void dfu_leave(DfuPipe& device) {
-  make_idle(device);
+  make_dfu_idle(device);
   try {
     device.write(dfu::detach, 0, {});
   } catch (const LinkLost&) {

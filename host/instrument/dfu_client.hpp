@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/errors/error.hpp"
+#include "protocol/dfu.hpp"
 
 namespace umov::instrument {
 
@@ -53,6 +54,14 @@ void dfu_download(DfuPipe& device, std::span<const std::uint8_t> image,
 
 /// The image that runs; empty when the device has none.
 std::vector<std::uint8_t> dfu_upload(DfuPipe& device);
+
+// Steps of those above, for loaders with requests of their own (rom_loader.hpp).
+/// Ends whatever another program left unfinished.
+void make_dfu_idle(DfuPipe& device);
+/// Polls until the device is in that state. Throws UpdateRefused when it reports an error.
+void wait_for_state(DfuPipe& device, protocol::dfu::State wanted);
+/// Throws UpdateRefused with the reason that the device tells.
+[[noreturn]] void throw_update_refused(DfuPipe& device);
 
 /// Back to the program. The device may be gone before it has answered.
 void dfu_leave(DfuPipe& device);

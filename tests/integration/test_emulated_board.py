@@ -1,6 +1,7 @@
 """The image of the controller board on an emulated chip, served like an instrument."""
 
 import os
+import pathlib
 import re
 import socket
 import struct
@@ -61,6 +62,23 @@ class EmulatedBoard(UmovCase):
             self.assertTrue(0x08020000 <= registers[15] < 0x08038000, "in the image")
             self.assertEqual(self.gdb(pipe, "s"), "S05")
         self.refused("emulator", "--sample", "red-gloss", "--gdb", "0", says=["--image"])
+
+    def test_images_are_signed_with_a_key_of_ones_own(self):
+        image = IMAGE.replace(".elf", ".dfu")
+        self.must("device", "key", "lab.key")
+        self.refused("device", "key", "lab.key", says=["never overwritten"])
+        self.assertEqual((self.folder / "lab.key").stat().st_mode & 0o077, 0, "for its owner's eyes")
+        for name in ("one.bin", "again.bin"):
+            self.must("device", "sign", image, "--key", "lab.key", "--version", "1.2.3", "-o", name)
+        one = (self.folder / "one.bin").read_bytes()
+        self.assertEqual(one, (self.folder / "again.bin").read_bytes())
+        self.assertNotEqual(one[64:128], pathlib.Path(IMAGE.replace(".elf", ".bin")).read_bytes()[64:128])
+        (self.folder / "cut.bin").write_bytes(one[:-8])
+        self.refused("device", "flash", "cut.bin", says=["cut.bin", "its header says"])
+        (self.folder / "changed.bin").write_bytes(one[:-8] + b"otherwise"[:8])
+        self.refused("device", "flash", "changed.bin", says=["changed.bin", "CRC"])
+        self.refused("device", "sign", image, "--key", "one.bin", "-o", "two.bin", says=["one.bin:1", "key"])
+        self.refused("device", "flash", image, "--device", "tcp:localhost:1", says=["over USB"])
 
     def test_an_image_that_is_none_is_refused(self):
         (self.folder / "image.elf").write_text("no image", encoding="utf-8")

@@ -77,7 +77,10 @@ int main() {
   // A reset that the boot loader and the program agreed upon is no news to the program.
   if (request != BootRequest::none) set_bits(rcc().CSR, rcc_bits::RMVF);
   start_clocks();
-  const bool runnable = umov::firmware::boot::make_runnable(flash, trust);
-  if (runnable && request != BootRequest::update) start_program();
+  if (request == BootRequest::update) {
+    umov::firmware::boot::end_update(flash, trust);
+  } else if (umov::firmware::boot::make_runnable(flash, trust)) {
+    start_program();
+  }
   take_updates();
 }

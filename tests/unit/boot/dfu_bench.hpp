@@ -11,7 +11,7 @@
 
 namespace umov::test {
 
-/// One session of DFU mode. The device works while the host waits, one piece in 20 ms.
+/// One session of DFU mode. The device works while the host waits, one piece in 5 ms.
 class DfuBench final : public instrument::DfuPipe {
  public:
   DfuBench(RamFlash& flash, const boot::Trust& trust)
@@ -62,7 +62,7 @@ class DfuBench final : public instrument::DfuPipe {
   }
   void wait(std::chrono::milliseconds duration) override {
     waited += duration;
-    for (int i = 0; i < duration.count(); i += 20) device.work();
+    for (int i = 0; i < duration.count(); i += 5) device.work();
   }
   std::string text(std::uint8_t index) override {
     const auto got = control(0x80, 6, static_cast<std::uint16_t>(0x0300 | index), 255, {}, 0x409);

@@ -84,7 +84,7 @@ const std::map<std::string, std::set<std::string>> allowed = {
       "hil/plant",           "hil/blind",     "host/calibrate",    "host/invert",
       "host/gap/engine",     "host/gap/scan", "host/gap/answer",   "host/gap/benchmark",
       "host/parallel/ranks", "host/report",   "host/cli/emulator", "host/cli/emulator/mcu",
-      "host/cli/study",      "protocol"}},
+      "host/cli/study",      "host/toml",     "protocol"}},
 };
 
 // What freestanding code may take from the standard library.

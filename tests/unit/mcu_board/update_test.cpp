@@ -21,7 +21,7 @@ using instrument::UpdateRefused;
 using test::Bytes;
 namespace dfu = protocol::dfu;
 
-constexpr std::uint32_t running = 0x2'0000, previous = 0x6'0000;
+constexpr std::uint32_t running = 0x2'0000, staged = 0x4'0000, previous = 0x6'0000;
 const instrument::KeySeed development_key =
     instrument::read_key(UMOV_SOURCE_DIR "/firmware/boot/development.key");
 
@@ -209,9 +209,10 @@ TEST_F(UpdateOfTheBoard, APowerCutDuringAnUpdateLeavesAProgramThatStarts) {
   const auto newer = image_of(old.header.version + 5);
   struct Cut {};
   int olds = 0, news = 0;
-  for (const std::uint64_t after_ms : {1'000, 5'500, 6'150, 6'800, 7'250}) {
+  for (const std::uint64_t after_ms : {500, 2'000, 2'700, 3'400, 4'000}) {
     board_.reset(mcu::ResetSource::power_on);
     put(running, old.bytes);
+    put(staged, Bytes(2 * 128 * 1024, 0xFF));
     detach();
     const std::uint64_t limit_us = board_.now_us() + 1000 * after_ms;
     /// A cable on which time ends.

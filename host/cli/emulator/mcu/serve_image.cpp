@@ -21,9 +21,9 @@ constexpr std::uint64_t backlog_us = 100'000;
 
 }  // namespace
 
-void serve_image(const BenchOptions& bench, const std::string& image, const ServeOptions& options,
+void serve_image(const BenchOptions& bench, const BoardFiles& files, const ServeOptions& options,
                  const std::function<bool()>& keep_going) {
-  McuInstrument instrument(bench, {.image = image});
+  McuInstrument instrument(bench, {.image = files.image, .boot_loader = files.boot_loader});
   auto& board = instrument.board();
   instrument::TcpServer server(options.port, options.address);
   DebuggerPort debugger(board.chip(), options.gdb_port, options.on_gdb);

@@ -21,6 +21,10 @@ using std::chrono::microseconds;
 constexpr std::uint64_t slice_us = 500;
 constexpr std::uint64_t backlog_us = 100'000;
 constexpr std::uint64_t start_up_us = 50'000;
+/// A boot loader may have to end an update first.
+constexpr std::uint64_t longest_start_us = 20'000'000;
+/// From the pull-up to the host's first reset.
+constexpr std::uint64_t settle_us = 5'000;
 constexpr std::chrono::seconds plug_in_again_after{1};
 const std::string controller_bus_id = "1-1";
 const std::string adapter_bus_id = "1-2";
@@ -60,14 +64,17 @@ class PatientConnector final : public usbip::UsbFunction {
 
 }  // namespace
 
-void serve_image_usb(const BenchOptions& bench, const std::string& image, const UsbOptions& options,
+void serve_image_usb(const BenchOptions& bench, const BoardFiles& files, const UsbOptions& options,
                      const std::function<bool()>& keep_going) {
-  McuInstrument instrument(bench, {.image = image});
+  McuInstrument instrument(bench, {.image = files.image, .boot_loader = files.boot_loader});
   auto& board = instrument.board();
   const auto tell = [&](const std::string& event) {
     if (options.on_event) options.on_event(event);
   };
-  board.run_for(start_up_us);
+  for (std::uint64_t gone = 0; gone < longest_start_us && !board.usb_connected();
+       gone += start_up_us) {
+    board.run_for(start_up_us);
+  }
   PatientConnector connector(board);
   auto unplugged_since = Clock::now();
   McuPins pins(board.chip());
@@ -81,6 +88,7 @@ void serve_image_usb(const BenchOptions& bench, const std::string& image, const 
     unplugged_since = Clock::now();
   });
   connector.patient = false;
+  bool shown = true;
   std::uint16_t port = 0;
   if (options.into_kernel) {
     for (const auto& device : devices) server.plug_into_kernel(device.bus_id);
@@ -104,9 +112,19 @@ void serve_image_usb(const BenchOptions& bench, const std::string& image, const 
     debugger.service();
     if (behind) board.run_for(std::min(slice_us, due - board.now_us()));
     server.service();
-    // Its program gone, the board takes itself off the bus.
-    if (pins.take_reset()) server.unplug(controller_bus_id);
-    if (options.into_kernel && board.chip().runs_program() && !server.plugged(controller_bus_id) &&
+    if (shown != board.usb_connected()) {
+      shown = !shown;
+      if (!shown) {
+        server.unplug(controller_bus_id);
+      } else {
+        board.run_for(settle_us);
+        connector.patient = true;
+        server.replace(usbip::export_device(controller_bus_id, 2, connector));
+        connector.patient = false;
+        if (options.into_kernel) server.plug_into_kernel(controller_bus_id);
+      }
+    }
+    if (options.into_kernel && shown && !server.plugged(controller_bus_id) &&
         Clock::now() - unplugged_since >= plug_in_again_after) {
       server.plug_into_kernel(controller_bus_id);
     }
