@@ -115,6 +115,25 @@ TEST_F(UsbOfTheBoard, AScanOverBulkGivesTheRecordsOfTheNativeBoard) {
   }
 }
 
+TEST(UsbOfABootableBoard, AStatusStageIsNotLostToARequestThatFollowsAtOnce) {
+  test::NoisyBench bench;
+  mcu::McuBoard board(bench, {.image = UMOV_STM32F407_ELF, .boot_loader = UMOV_STM32F407_BOOT_ELF});
+  for (int i = 0; i < 100 && !board.usb_connected(); ++i) board.run_for(10'000);
+  test::UsbCable cable(board);
+  ASSERT_TRUE(cable.plug_in());
+  const unsigned before = board.chip().software_resets();
+  const std::array<std::uint8_t, 8> detach = {0x21, 0, 0xE8, 3, fu::interface::dfu, 0, 0, 0};
+  const std::array<std::uint8_t, 8> get_status = {0x80, 0, 0, 0, 0, 0, 2, 0};
+  auto& usb = board.usb();
+  ASSERT_EQ(usb.setup(detach), usbip::Handshake::ack);
+  board.run_for(500);
+  usbip::Packet packet;
+  ASSERT_EQ(usb.in(0, packet), usbip::Handshake::ack) << "the status stage";
+  ASSERT_EQ(usb.setup(get_status), usbip::Handshake::ack) << "before the program has looked";
+  board.run_for(20'000);
+  EXPECT_EQ(board.chip().software_resets(), before + 1) << "it went to its boot loader";
+}
+
 TEST_F(UsbOfTheBoard, AHostOnTheSerialLineIsNotPushedAsideByOneOnUsb) {
   instrument::Session session(test::connect(board_), {.host_name = "on the line"});
   test::home_all(session);
