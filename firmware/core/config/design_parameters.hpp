@@ -36,7 +36,8 @@ inline constexpr std::uint32_t reply_reserve_bytes = 1100;
 inline constexpr std::uint64_t link_timeout_us = 3'000'000;
 /// Records sent and not acknowledged are sent again after this time of the link's clock.
 inline constexpr std::uint64_t record_resend_us = 2'000'000;
-/// Records put into frames at a time: 0.2 ms of work, after which a board can look at its link again.
+/// Records put into frames at a time: 0.2 ms of work, after which a board can look at its link
+/// again.
 inline constexpr int records_per_turn = 4;
 /// Unanswered row credit is repeated after this time of the link's clock.
 inline constexpr std::uint64_t credit_resend_us = 100'000;
