@@ -43,7 +43,8 @@ enum class Fault : std::uint8_t {
   missed_deadline,
   not_homed,
   internal,
-  settings_corrupt
+  settings_corrupt,
+  over_temperature
 };
 
 /// What the controller is doing.
@@ -438,7 +439,7 @@ struct ClearFault {
       0x33, "clear_fault", Sender::host,
       "Clears the latched fault named; refused while its cause persists."};
   static constexpr auto fields =
-      std::tuple{field("fault", &ClearFault::fault, "enum Fault", "fault to clear", 1, 12)};
+      std::tuple{field("fault", &ClearFault::fault, "enum Fault", "fault to clear", 1, 13)};
 };
 
 struct FaultEvent {

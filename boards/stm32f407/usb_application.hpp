@@ -2,7 +2,6 @@
 #pragma once
 
 #include "boards/stm32f407/boot_request.hpp"
-#include "boards/stm32f407/stm32_board.hpp"
 #include "firmware/core/controller.hpp"
 #include "firmware/core/usb/application.hpp"
 
@@ -10,11 +9,9 @@ namespace umov::boards::stm32f407 {
 
 class UsbApplication final : public firmware::usb::Application {
  public:
-  explicit UsbApplication(Stm32Board& board) : board_(&board) {}
   void bind(firmware::Controller& controller) { controller_ = &controller; }
 
   void on_link_bytes(std::span<const std::uint8_t> bytes) override {
-    board_->heard_on_usb();
     controller_->on_link_bytes(bytes);
   }
   void on_hand_report(const firmware::usb::HandReport& report) override {
@@ -41,7 +38,6 @@ class UsbApplication final : public firmware::usb::Application {
 
  private:
   bool detached_ = false;
-  Stm32Board* board_;
   firmware::Controller* controller_ = nullptr;
 };
 

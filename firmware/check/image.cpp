@@ -10,7 +10,7 @@
 
 namespace {
 
-volatile std::uint32_t reg[64];  // stands for the chip's registers
+volatile std::uint32_t reg[80];  // stands for the chip's registers
 
 class RegisterBoard final : public umov::firmware::Board {
  public:
@@ -34,6 +34,10 @@ class RegisterBoard final : public umov::firmware::Board {
   void set_laser(int laser, bool on) override { reg[16 + laser] = on; }
   void set_shutter(bool open) override { reg[19] = open; }
   void set_gain(int range) override { reg[20] = static_cast<std::uint32_t>(range); }
+  bool emergency_released() const override { return reg[60] != 0; }
+  bool overheated() const override { return reg[61] != 0; }
+  bool supply_low() const override { return reg[62] != 0; }
+  bool stalled(int axis) const override { return (reg[63] >> axis & 1u) != 0; }
   bool interlock_closed() const override { return reg[21] != 0; }
   void start_sampling(std::uint32_t phase_step) override { reg[22] = phase_step; }
   void stop_sampling() override { reg[22] = 0; }
@@ -146,7 +150,13 @@ void umov_check_entry() {
     reg[8] = controller->on_step_timer(static_cast<int>(reg[28] % 6));
     if (reg[29] != 0) controller->on_stall(0);
     if (reg[30] != 0) controller->on_adc_overrun();
+    if (reg[64] != 0) controller->on_late_step(0);
+    if (reg[65] != 0) controller->on_interlock_open();
+    if (reg[66] != 0) controller->on_emergency_stop();
+    if (reg[67] != 0) controller->on_overheat();
+    if (reg[68] != 0) controller->on_low_supply();
     controller->tick();
+    reg[69] = controller->send_more();
   }
 }
 

@@ -227,10 +227,12 @@ void Controller::handle(const FrameView& frame, const protocol::ClearFault& mess
   const auto fault = static_cast<Fault>(message.fault);
   if (!safety_.latched(fault)) return refuse(frame, Refusal::wrong_state);
   if (motion_.busy()) return refuse(frame, Refusal::busy);  // still coming to rest
-  if (fault == Fault::interlock && !board_->interlock_closed()) {
-    return refuse(frame, Refusal::fault_active, message.fault);
-  }
+  if (persists(fault)) return refuse(frame, Refusal::fault_active, message.fault);
   safety_.clear(fault);
+  if (!safety_.latched()) {
+    outputs_.allow_light();
+    if (safety_.pending()) outputs_.hold_dark();  // a new one came in between
+  }
   accept(frame);
 }
 

@@ -2,6 +2,7 @@
 // entry points that a board calls.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <span>
 
@@ -27,7 +28,7 @@ struct HandView {
 /// One a board, statically allocated; board, log and settings must outlive it. Without a store of
 /// settings the built-in ones hold after each start, and saving is refused.
 /// Contexts (firmware/README.md): on_step_timer() in the timer interrupts, on_samples() in the
-/// sample interrupt, on_stall() and on_adc_overrun() in any interrupt; start(), tick() and
+/// sample interrupt, on_stall() to on_low_supply() in any interrupt; start(), tick() and
 /// on_link_bytes() in the main loop.
 class Controller {
  public:
@@ -41,6 +42,9 @@ class Controller {
   void tick();
   /// Bytes from the host, in chunks of any size.
   void on_link_bytes(std::span<const std::uint8_t> bytes);
+  /// As often as a board's main loop likes: sends more of what waits. True when there is more that
+  /// the link has room for.
+  bool send_more();
   /// A step is due; ticks to the next, 0 = none.
   std::uint32_t on_step_timer(int axis) { return motion_.on_step_timer(axis); }
   /// Codes of both channels, equal lengths, in the order sampled.
@@ -51,6 +55,13 @@ class Controller {
   void on_stall(int axis);
   /// Samples were lost.
   void on_adc_overrun();
+  /// A step came so late that its axis may not have followed.
+  void on_late_step(int axis);
+  /// The input has left its good level, if only for a moment.
+  void on_interlock_open();
+  void on_emergency_stop();
+  void on_overheat();
+  void on_low_supply();
 
   /// A hand controller at the instrument turns an axis by so much, microdegrees, from where it is
   /// going. Steps that come while it moves add up. Nothing happens while a fault is latched, a
@@ -71,8 +82,13 @@ class Controller {
 
   // controller.cpp
   void raise(protocol::Fault fault, std::int32_t detail);
+  void raise_from_interrupt(protocol::Fault fault, std::int32_t detail);
   void enter_safe_state();
   void collect_faults();
+  void collect_lost_positions();
+  void look_at_inputs();
+  /// What caused the fault is still there.
+  bool persists(protocol::Fault fault) const;
   void watch_deadline();
   void send_what_is_due();
   void send_records();
@@ -127,6 +143,8 @@ class Controller {
   Safety safety_;
   Link link_;
   SavedSettings built_in_{};
+  std::atomic<std::uint8_t> stalled_axes_{0};
+  std::atomic<std::uint8_t> late_axes_{0};
   bool session_open_ = false;
   bool credit_due_ = false;
   bool ticked_ = false;

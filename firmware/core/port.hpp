@@ -51,6 +51,14 @@ class Board {
   /// range 0 to 3 = gain 1, 10, 100, 1000 of the signal channel.
   virtual void set_gain(int range) = 0;
   virtual bool interlock_closed() const = 0;
+  /// The emergency stop's button is out.
+  virtual bool emergency_released() const = 0;
+  /// A thermostat on drivers or lasers has opened.
+  virtual bool overheated() const = 0;
+  /// The supply is about to fail: below what flash may be written at.
+  virtual bool supply_low() const = 0;
+  /// The driver of an axis reports lost steps at this moment.
+  virtual bool stalled(int axis) const = 0;
 
   /// Starts sampling both channels at `sample_rate_hz`, first sample now, with the modulation's
   /// phase n * phase_step (mod 2^32) at sample n; the laser is on while that phase is below 2^31.
@@ -110,7 +118,7 @@ class SettingsStore {
 };
 
 /// Why the board started, as its reset flags tell.
-enum class ResetCause : std::uint8_t { power_on, watchdog, brown_out };
+enum class ResetCause : std::uint8_t { power_on, watchdog, brown_out, processor_fault };
 
 /// Who this controller is; told to the host at the handshake.
 struct Identity {
@@ -120,6 +128,8 @@ struct Identity {
   /// Differs at every start.
   std::uint32_t boot_id = 0;
   ResetCause reset_cause = ResetCause::power_on;
+  /// Where the program was, after a processor fault; -1: not known.
+  std::int32_t reset_detail = -1;
 };
 
 }  // namespace umov::firmware

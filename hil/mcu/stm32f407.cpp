@@ -25,8 +25,8 @@ constexpr std::uint32_t sram_base = 0x2000'0000, ccm_base = 0x1000'0000, system_
 constexpr std::size_t sram_size = 128 * 1024, ccm_size = 64 * 1024, system_size = 4096;
 
 /// Interrupt requests (RM0090 table 61).
-constexpr int irq_exti4 = 10, irq_adc = 18, irq_exti9_5 = 23, irq_tim2 = 28, irq_usart2 = 38,
-              irq_tim5 = 50, irq_tim8_cc = 46, irq_otg_fs = 67;
+constexpr int irq_pvd = 1, irq_exti4 = 10, irq_adc = 18, irq_exti9_5 = 23, irq_tim2 = 28,
+              irq_usart2 = 38, irq_exti15_10 = 40, irq_tim5 = 50, irq_tim8_cc = 46, irq_otg_fs = 67;
 constexpr std::array<int, 8> irq_dma1 = {11, 12, 13, 14, 15, 16, 17, 47};
 constexpr std::array<int, 8> irq_dma2 = {56, 57, 58, 59, 60, 68, 69, 70};
 
@@ -64,6 +64,7 @@ struct Stm32f407::Core final : Bus {
       : chip(the_chip),
         cpu(scheduler, nvic, *this),
         rcc(the_chip.options_.crystal_hz, the_chip.reset_flags_),
+        pwr([this](bool low) { exti.on_supply_edge(low); }),
         systick(
             scheduler, [this] { return rcc.core_cycle(); },
             [this] { nvic.pend(Nvic::systick_exception); }),
@@ -71,8 +72,10 @@ struct Stm32f407::Core final : Bus {
         exti([this](std::uint32_t pending) {
           nvic.set_line(irq_exti4, (pending & 0x10u) != 0);
           nvic.set_line(irq_exti9_5, (pending & 0x3E0u) != 0);
-          constexpr std::uint32_t others = ~0x3F0u;
-          if ((pending & others) != 0) refuse_setting("EXTI", "IMR (lines 4 to 9 only)", pending);
+          nvic.set_line(irq_exti15_10, (pending & 0xFC00u) != 0);
+          nvic.set_line(irq_pvd, (pending & 0x1'0000u) != 0);
+          constexpr std::uint32_t others = ~0x1'FFF0u;
+          if ((pending & others) != 0) refuse_setting("EXTI", "IMR (lines 4 to 16 only)", pending);
         }),
         syscfg(exti),
         dma1("DMA1", master(),
@@ -142,6 +145,7 @@ struct Stm32f407::Core final : Bus {
     cpu.map_registers(0x5000'0000, 0x4'0000);
     cpu.map_registers(0xE000'E000, 0x1000);
     cpu.set_cycle(rcc.core_cycle());
+    pwr.set_supply(the_chip.supply_mv_);
   }
 
   InterruptLine line(int irq) {
@@ -314,6 +318,7 @@ void Stm32f407::flash(std::span<const Segment> image) {
 }
 
 void Stm32f407::reset(ResetSource source) {
+  stands_until_ = 0;
   const Time at = core_ ? core_->cpu.now() : 0;
   if (core_) reset_flags_ = core_->rcc.reset_flags();
   reset_flags_ |= reset_flags_of(source);
@@ -333,6 +338,56 @@ void Stm32f407::reset(ResetSource source) {
   }
   core_ = std::make_unique<Core>(*this, at);
   core_->cpu.reset(Flash::base);
+  in_rom_ = boot0_;
+  for (const std::uint32_t address : breakpoints_) core_->cpu.add_breakpoint(address);
+}
+
+void Stm32f407::set_nrst(bool high) {
+  if (high == nrst_) return;
+  nrst_ = high;
+  reset(ResetSource::pin);
+}
+
+void Stm32f407::step() {
+  Core& c = *core_;
+  c.scheduler.run_until(c.cpu.now());
+  if (runs_program()) c.cpu.step();
+  c.cpu.take_breakpoint();
+}
+
+void Stm32f407::set_breakpoint(std::uint32_t address, bool on) {
+  if (on) {
+    breakpoints_.insert(address);
+    if (core_) core_->cpu.add_breakpoint(address);
+  } else {
+    breakpoints_.erase(address);
+    if (core_) core_->cpu.remove_breakpoint(address);
+  }
+}
+
+void Stm32f407::clear_breakpoints() {
+  while (!breakpoints_.empty()) set_breakpoint(*breakpoints_.begin(), false);
+}
+
+std::uint32_t Stm32f407::debug_register(int number) const {
+  return core_ ? core_->cpu.debug_register(number) : 0;
+}
+
+void Stm32f407::set_debug_register(int number, std::uint32_t value) {
+  if (core_) core_->cpu.set_debug_register(number, value);
+}
+
+std::vector<std::uint8_t> Stm32f407::read_memory(std::uint32_t address, std::uint32_t size) const {
+  const std::uint8_t* from = core_ ? core_->cpu.find_memory(address, size) : nullptr;
+  if (from == nullptr) return {};
+  return {from, from + size};
+}
+
+bool Stm32f407::write_memory(std::uint32_t address, std::span<const std::uint8_t> bytes) {
+  if (address < sram_base || address - sram_base + bytes.size() > sram_size) return false;
+  std::copy(bytes.begin(), bytes.end(),
+            sram_.begin() + static_cast<std::ptrdiff_t>(address - sram_base));
+  return true;
 }
 
 Time Stm32f407::now() const {
@@ -342,7 +397,7 @@ Time Stm32f407::now() const {
 void Stm32f407::run_until(Time limit) {
   if (!core_) reset(ResetSource::power_on);
   paused_ = false;
-  while (core_->cpu.now() < limit && !paused_) {
+  while (core_->cpu.now() < limit && !paused_ && !halted_) {
     Core& c = *core_;
     c.scheduler.run_until(c.cpu.now());
     if (c.watchdog_expired) {
@@ -356,13 +411,35 @@ void Stm32f407::run_until(Time limit) {
       continue;
     }
     if (paused_) break;
+    if (c.cpu.now() < stands_until_) {
+      c.cpu.skip_to(std::min({limit, c.scheduler.next(), stands_until_}));
+      continue;
+    }
+    if (!runs_program()) {
+      c.cpu.skip_to(std::min(limit, c.scheduler.next()));
+      continue;
+    }
     c.cpu.run(std::min(limit, c.scheduler.next()));
+    if (c.cpu.take_breakpoint()) halted_ = true;
   }
 }
 
 void Stm32f407::drive_pin(int port, int pin, std::optional<bool> level) {
   driven_[static_cast<std::size_t>(port)][static_cast<std::size_t>(pin)] = level;
   if (core_) core_->port(port).drive(pin, level);
+}
+
+void Stm32f407::set_supply(std::uint32_t millivolts) {
+  supply_mv_ = millivolts;
+  if (core_) core_->pwr.set_supply(millivolts);
+}
+
+void Stm32f407::overrun_adc() {
+  if (core_) core_->adc.overrun();
+}
+
+void Stm32f407::stand_still(Time duration) {
+  stands_until_ = now() + duration;
 }
 
 bool Stm32f407::pin_level(int port, int pin) const {

@@ -260,12 +260,15 @@ void list(const Common& common) {
     }
   };
   std::string trouble;
-  try {
-    add("usb", "bulk pipes", instrument::list_usb_devices());
-    add("hid", "HID reports", instrument::list_hid_devices());
-  } catch (const Error& error) {  // no USB here: that is no reason not to name the rest
-    trouble = error.problem();
-  }
+  const auto look = [&](const std::string& kind, const std::string& pipe, auto list) {
+    try {
+      add(kind, pipe, list());
+    } catch (const Error& error) {  // none of that kind here: no reason not to name the rest
+      trouble += (trouble.empty() ? "" : "\n") + error.problem();
+    }
+  };
+  look("usb", "bulk pipes", instrument::list_usb_devices);
+  look("hid", "HID reports", instrument::list_hid_devices);
   if (common.json) {
     fmt::print("{}\n", devices.dump());
     return;

@@ -17,7 +17,7 @@ struct FaultText {
 };
 
 // In the order of protocol::Fault.
-constexpr std::array<FaultText, 13> fault_texts{{
+constexpr std::array<FaultText, 14> fault_texts{{
     {"none", "no fault is latched", "nothing to do"},
     {"interlock", "the interlock opened",
      "close the enclosure and clear the fault: umov device log --clear"},
@@ -50,9 +50,11 @@ constexpr std::array<FaultText, 13> fault_texts{{
      "the saved settings are damaged, or of other firmware; the built-in ones are in force",
      "clear the fault (umov device log --clear), set what differs and save it (umov device config "
      "set, config save)"},
+    {"over_temperature", "drivers or lasers are too hot",
+     "let them cool and clear the fault (umov device log --clear); look at fans and air"},
 }};
 static_assert(fault_texts.size() ==
-              static_cast<std::size_t>(protocol::Fault::settings_corrupt) + 1);
+              static_cast<std::size_t>(protocol::Fault::over_temperature) + 1);
 
 std::string axis_or_nothing(std::int32_t detail) {
   return detail >= 0 && detail < protocol::axis_count ? " (" + axis_name(detail) + ")" : "";

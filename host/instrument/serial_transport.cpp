@@ -15,9 +15,9 @@
 
 #include "host/errors/error.hpp"
 #include "host/instrument/link_lost.hpp"
-#include "host/instrument/socket.hpp"
 #include "host/instrument/usb_devices.hpp"
 #include "host/instrument/wall_clock.hpp"
+#include "host/net/socket.hpp"
 
 namespace umov::instrument {
 namespace {
@@ -45,7 +45,7 @@ constexpr std::array<std::pair<std::uint32_t, speed_t>, 15> speeds = {{{9600, B9
 
 /// Waits until the line is ready for `events`; false on timeout or signal. A line that hung up is
 /// ready.
-bool wait_for(const Socket& line, short events, microseconds timeout) {
+bool wait_for(const net::Socket& line, short events, microseconds timeout) {
   const auto us = std::max<microseconds::rep>(timeout.count(), 0);
   const timespec limit{us / 1'000'000, (us % 1'000'000) * 1000};
   pollfd request{line.descriptor(), events, 0};
@@ -54,7 +54,8 @@ bool wait_for(const Socket& line, short events, microseconds timeout) {
 
 class SerialTransport final : public Transport {
  public:
-  SerialTransport(Socket line, std::string name) : line_(std::move(line)), name_(std::move(name)) {}
+  SerialTransport(net::Socket line, std::string name)
+      : line_(std::move(line)), name_(std::move(name)) {}
 
   void write(std::span<const std::uint8_t> bytes) override {
     while (!bytes.empty()) {
@@ -86,7 +87,7 @@ class SerialTransport final : public Transport {
     throw LinkLost(name_, "connection lost: " + why);
   }
 
-  Socket line_;
+  net::Socket line_;
   std::string name_;
   WallClock clock_;
 };
@@ -101,7 +102,7 @@ std::unique_ptr<Transport> connect_serial_line(const std::string& path, std::uin
     throw Error({name}, std::to_string(baud) + " baud is no speed of serial lines",
                 "the controller speaks 1000000 baud; leave ?baud= out");
   }
-  Socket line(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  net::Socket line(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!line) {
     const int error = errno;
     throw Error({name}, "can't be opened: " + std::string(std::strerror(error)),

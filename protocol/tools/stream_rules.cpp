@@ -14,7 +14,7 @@ std::string describe_session_and_streams() {
    `schema_mismatch`, as it does before the first `hello`.
 3. `hello` on a pipe whose session is open opens it anew: the host was restarted. Program, rows and records
    in the device stay as they are.
-4. A pipe that serves one host at a time answers the `hello` of a second one with `busy` (any sequence number)
+4. A pipe that serves one host at a time answers the `hello` of a second one with `busy` (its number, or 0)
    and goes on with the first.
 5. A request carries the next number of the host's counter; its reply, `done` or `error_reply` carries the same
    number. Frames the device sends of its own accord (`row_credit`, `record`, `fault_event`) carry the device's

@@ -26,11 +26,13 @@ inline ScbRegisters& scb() {
 
 /// Interrupt numbers (RM0090 table 61).
 enum class Irq : unsigned {
+  pvd = 1,
   exti4 = 10,
   dma1_stream6 = 17,
   adc = 18,
   exti9_5 = 23,
   tim2 = 28,
+  exti15_10 = 40,
   tim5 = 50,
   dma2_stream0 = 56,
   otg_fs = 67,

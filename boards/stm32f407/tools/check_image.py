@@ -22,17 +22,20 @@ EXCEPTION_FRAME = 36
 # Handlers by priority; interrupts of one priority do not interrupt each other (main.cpp).
 HANDLERS = [
     ["tim2_handler", "tim5_handler"],
-    ["exti4_handler", "exti9_5_handler", "adc_handler"],
+    ["exti4_handler", "exti9_5_handler", "exti15_10_handler", "pvd_handler", "adc_handler"],
     ["dma2_stream0_handler"],
     ["dma1_stream6_handler", "otg_fs_handler", "systick_handler"],
 ]
 PORT = r"UsbPort::(connect|disconnect|set_address|open_endpoint|close_endpoint|send|receive|stall|clear_stall)\("
 APPLICATION = r"UsbApplication::"
+SERIAL = r"stm32f407::UartLink::(room|write)\("
 # Who calls through a pointer or a virtual function, and what: the interfaces of firmware/core and what
 # this board makes of them. The first that fits the caller counts.
 POINTERS = [
-    (r"usb::LinkSwitch::(write|send|start|stop|on_sent|on_halt_cleared)\(|usb::LinkPipe::", PORT),
-    (r"usb::(Device|LinkSwitch)::", f"{PORT}|{APPLICATION}"),
+    (r"usb::LinkSwitch::room\(", SERIAL),
+    (r"usb::LinkSwitch::(write|send|start|stop|on_sent|on_halt_cleared|answer)[<(]|usb::LinkPipe::",
+     f"{PORT}|{SERIAL}"),
+    (r"usb::(Device|LinkSwitch)::", f"{PORT}|{APPLICATION}|{SERIAL}"),
     (r"usb::ControlPipe::", f"{PORT}|non-virtual thunk to .*usb::Device::on_(request|data|complete)"),
     (r"stm32f407::UsbPort::", r"^umov::firmware::usb::Device::on_(reset|suspend|resume|setup|sent|received)\("),
     (r"firmware::SettingsPages::", r"stm32f407::SettingsFlash::"),

@@ -24,6 +24,8 @@ struct McuBoardOptions {
   ChipOptions chip{};
   /// Called at every rising edge of a step pin with the axis and the moment; may be empty.
   std::function<void(int axis, Time moment)> on_step{};
+  /// Called when the pulse ends; may be empty.
+  std::function<void(int axis, Time moment)> on_step_end{};
 };
 
 /// The same verbs as boards::native::NativeBoard. Deterministic. Not thread-safe. Every call that
@@ -45,6 +47,10 @@ class McuBoard {
   bool run_until_output(std::uint64_t max_duration_us);
   std::uint64_t now_us() const;
 
+  /// What the bench does not announce is looked at each millisecond, and now.
+  void look_at_inputs();
+  /// The stall output of an axis' driver is at this level.
+  void set_stall(int axis, bool high);
   /// The stall output of an axis' driver rises, and falls again.
   void signal_stall(int axis);
   /// The supply fails and comes back, or the reset pin is pulled.

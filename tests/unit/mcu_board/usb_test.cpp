@@ -7,6 +7,7 @@
 #include "hil/mcu/board/mcu_board.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/schema.hpp"
+#include "tests/unit/failure.hpp"
 #include "tests/unit/mcu_board/noisy_stages.hpp"
 #include "tests/unit/mcu_board/scan_run.hpp"
 #include "tests/unit/mcu_board/usb_cable.hpp"
@@ -112,6 +113,20 @@ TEST_F(UsbOfTheBoard, AScanOverBulkGivesTheRecordsOfTheNativeBoard) {
     ASSERT_TRUE(protocol::encode(a, one).ok() && protocol::encode(b, other).ok());
     EXPECT_EQ(one, other) << i;
   }
+}
+
+TEST_F(UsbOfTheBoard, AHostOnTheSerialLineIsNotPushedAsideByOneOnUsb) {
+  instrument::Session session(test::connect(board_), {.host_name = "on the line"});
+  test::home_all(session);
+  const auto all = rows(4);
+  test::Records records;
+  instrument::ProgramStream stream(
+      {.program_id = 3, .row_count = 4}, [&](std::uint32_t i) { return all[i]; }, records);
+  stream.run(session, [](const instrument::ProgramStream& s) { return s.next_index() < 2; });
+  const std::string refused = failure_of([&] { instrument::Session second(bulk()); });
+  EXPECT_NE(refused.find("in use by host 'on the line'"), std::string::npos) << refused;
+  stream.run(session);
+  EXPECT_EQ(records.all.size(), 4u);
 }
 
 TEST_F(UsbOfTheBoard, PulledAndPluggedInDuringAScanLosesNoRecordAndRepeatsNone) {

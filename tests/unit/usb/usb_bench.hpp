@@ -77,8 +77,8 @@ inline std::array<char, 24> serial_text(const std::string& text) {
 
 class UsbBench {
  public:
-  explicit UsbBench(const std::string& serial = "TEST-1")
-      : device(port, application, serial_text(serial)) {
+  explicit UsbBench(const std::string& serial = "TEST-1", fu::SerialLine* line = nullptr)
+      : device(port, application, serial_text(serial), line) {
     port.bind(device);
     device.start();
     port.bus_reset();
