@@ -31,8 +31,8 @@ struct Options {
   bool gpio_adapter = false;
   std::string address = "127.0.0.1";
   std::string image;
-  int gdb_port = -1;
   std::string boot_loader;
+  int gdb_port = -1;
   bool real_time = false;
   bool list = false;
   bool parameters = false;

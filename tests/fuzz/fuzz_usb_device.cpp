@@ -3,7 +3,9 @@
 // in mid transfer. The stack keeps the rules of its port (which throws where they are broken),
 // never gives more than was asked for, and answers the next proper request.
 //
-// fuzz-link: umov_firmware umov_usbip
+// Now and then it meets the boot loader instead (mad_update.hpp).
+//
+// fuzz-link: umov_boot umov_usbip
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -17,6 +19,7 @@
 #include "protocol/messages.hpp"
 #include "protocol/schema.hpp"
 #include "tests/fuzz/foreign_bytes.hpp"
+#include "tests/fuzz/mad_update.hpp"
 
 namespace {
 
@@ -84,6 +87,11 @@ constexpr std::array<Setup, 16> proper = {{
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Input input({data, size});
+  const std::uint8_t first = input.take();
+  if ((first & 6) == 6) {
+    fuzz::update_madly(input);
+    return 0;
+  }
   Quiet application;
   usbip::StackPort port;
   firmware::usb::Device device(port, application, {'F', 'U', 'Z', 'Z'});
@@ -98,7 +106,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     asked = (packet[0] & 0x80) != 0 ? static_cast<std::size_t>(packet[6] | (packet[7] << 8)) : 0;
     given = 0;
   };
-  if ((input.take() & 1) != 0) {
+  if ((first & 1) != 0) {
     setup(proper[6]);
     Packet status;
     fuzz::require(port.in(0, status) == Handshake::ack && status.size == 0);

@@ -112,6 +112,8 @@ void serve_image_usb(const BenchOptions& bench, const BoardFiles& files, const U
     debugger.service();
     if (behind) board.run_for(std::min(slice_us, due - board.now_us()));
     server.service();
+    // Reset by its pin, the board takes itself off the bus.
+    if (pins.take_reset()) server.unplug(controller_bus_id);
     if (shown != board.usb_connected()) {
       shown = !shown;
       if (!shown) {
