@@ -42,7 +42,9 @@ enum class Fault : std::uint8_t {
   adc_overrun,
   missed_deadline,
   not_homed,
-  internal
+  internal,
+  settings_corrupt,
+  over_temperature
 };
 
 /// What the controller is doing.
@@ -69,7 +71,8 @@ enum class Refusal : std::uint8_t {
   outside_limits,
   schema_mismatch,
   busy,
-  stale_program
+  stale_program,
+  not_stored
 };
 
 struct Hello {
@@ -253,6 +256,41 @@ struct SetLockin {
       field("blocks", &SetLockin::blocks, "1", "blocks per record for the standard error", 2, 64)};
 };
 
+struct GetLockin {
+  std::uint8_t reserved{};
+  static constexpr MessageInfo info{0x07, "get_lockin", Sender::host,
+                                    "Asks for the modulation and detection in force."};
+  static constexpr auto fields = std::tuple{field("reserved", &GetLockin::reserved, "1", "zero")};
+};
+
+struct LockinInfo {
+  std::uint32_t reference_mhz{};
+  std::uint8_t harmonic{};
+  std::int32_t phase_udeg{};
+  std::uint16_t settle_ms{};
+  std::uint8_t blocks{};
+  static constexpr MessageInfo info{0x87, "lockin_info", Sender::device,
+                                    "Modulation and detection, as in set_lockin."};
+  static constexpr auto fields = std::tuple{
+      field("reference_mhz", &LockinInfo::reference_mhz, "mHz", "modulation frequency asked for"),
+      field("harmonic", &LockinInfo::harmonic, "1", "harmonic detected"),
+      field("phase_udeg", &LockinInfo::phase_udeg, "udeg", "added to the reference phase"),
+      field("settle_ms", &LockinInfo::settle_ms, "ms",
+            "wait after moves and gain changes before integrating"),
+      field("blocks", &LockinInfo::blocks, "1", "blocks per record for the standard error")};
+};
+
+struct SaveSettings {
+  std::uint8_t action{};
+  static constexpr MessageInfo info{
+      0x08, "save_settings", Sender::host,
+      "Keeps the settings in force (all axes, modulation and detection) over restarts (idle only). "
+      "A power cut meanwhile leaves those saved before."};
+  static constexpr auto fields = std::tuple{
+      field("action", &SaveSettings::action, "1",
+            "0 save those in force, 1 go back to the built-in ones and save these", 0, 1)};
+};
+
 struct ProgramBegin {
   std::uint32_t program_id{};
   std::uint32_t first_row{};
@@ -401,7 +439,7 @@ struct ClearFault {
       0x33, "clear_fault", Sender::host,
       "Clears the latched fault named; refused while its cause persists."};
   static constexpr auto fields =
-      std::tuple{field("fault", &ClearFault::fault, "enum Fault", "fault to clear", 1, 11)};
+      std::tuple{field("fault", &ClearFault::fault, "enum Fault", "fault to clear", 1, 13)};
 };
 
 struct FaultEvent {
@@ -473,9 +511,10 @@ struct ErrorReply {
 };
 
 /// Every message, in the order of PROTOCOL.md.
-using AllMessages = std::tuple<Hello, HelloReply, TimeSync, TimeSyncReply, GetStatus, Status,
-                               GetAxis, AxisInfo, SetAxis, SetLockin, ProgramBegin, ProgramRow,
-                               RowCredit, ProgramControl, Record, RecordAck, Home, Move, Stop,
-                               ClearFault, FaultEvent, ReadLog, LogEntry, Busy, Done, ErrorReply>;
+using AllMessages =
+    std::tuple<Hello, HelloReply, TimeSync, TimeSyncReply, GetStatus, Status, GetAxis, AxisInfo,
+               SetAxis, SetLockin, GetLockin, LockinInfo, SaveSettings, ProgramBegin, ProgramRow,
+               RowCredit, ProgramControl, Record, RecordAck, Home, Move, Stop, ClearFault,
+               FaultEvent, ReadLog, LogEntry, Busy, Done, ErrorReply>;
 
 }  // namespace umov::protocol

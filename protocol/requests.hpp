@@ -31,6 +31,10 @@ struct AnswerTo<SetAxis> : Answer<AxisInfo, true> {};
 template <>
 struct AnswerTo<SetLockin> : Answer<Done, true> {};
 template <>
+struct AnswerTo<GetLockin> : Answer<LockinInfo, true> {};
+template <>
+struct AnswerTo<SaveSettings> : Answer<Done, true> {};
+template <>
 struct AnswerTo<ReadLog> : Answer<LogEntry, true> {};
 template <>
 struct AnswerTo<Stop> : Answer<Done, true> {};

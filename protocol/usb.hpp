@@ -12,6 +12,8 @@ namespace umov::protocol::usb {
 /// manufacturer's name, too, and a product that is sold needs an id of its own.
 inline constexpr std::uint16_t vendor_id = 0x1209;
 inline constexpr std::uint16_t product_id = 0x0001;
+/// The second one: a controller in its boot loader.
+inline constexpr std::uint16_t update_product_id = 0x0002;
 /// String descriptor 1 of every Umov controller.
 inline constexpr std::string_view manufacturer = "Umov";
 

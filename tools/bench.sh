@@ -11,6 +11,9 @@ inversion() { /usr/bin/python3 tools/benchmarks/inversion.py -o docs/benchmarks.
 sampling() { /usr/bin/python3 tools/benchmarks/sampling.py -o docs/benchmarks_sampling.md "$@"; }
 trace() { /usr/bin/python3 tools/benchmarks/trace.py -o docs/benchmarks_trace.md "$@"; }
 
+# Fills in what docs/safety.md says of the safety matrix.
+safety() { /usr/bin/python3 tools/benchmarks/safety.py -o docs/safety.md "$@"; }
+
 controller() { /usr/bin/python3 tools/benchmarks/controller.py -o docs/benchmarks_controller.md "$@"; }
 
 case "$name" in
@@ -20,6 +23,7 @@ case "$name" in
   starts) inversion --rivals 1 "$@" ;;
   sampling) sampling "$@" ;;
   controller) controller "$@" ;;
+  safety) safety "$@" ;;
   trace) trace "$@" ;;
-  *) echo "dev: there is no benchmark '$name'; there are spine, inversion, starts, sampling, controller, trace" >&2; exit 2 ;;
+  *) echo "dev: there is no benchmark '$name'; there are spine, inversion, starts, sampling, controller, safety, trace" >&2; exit 2 ;;
 esac

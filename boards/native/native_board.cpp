@@ -23,6 +23,7 @@ constexpr Ticks ticks_per_sample = ticks_per_second / firmware::sample_rate_hz;
 static_assert(ticks_per_us * 1'000'000 == ticks_per_second);
 static_assert(ticks_per_sample * firmware::sample_rate_hz == ticks_per_second);
 
+constexpr Ticks watchdog_ticks = 250 * ticks_per_ms;
 constexpr Ticks never = std::numeric_limits<Ticks>::max();
 /// Like a board's transmit buffer: what does not fit waits in the core.
 constexpr std::size_t output_capacity = 16 * 1024;
@@ -42,7 +43,7 @@ firmware::Identity identity_of(const NativeBoardOptions& options) {
           .serial = padded(options.serial),
           .firmware_hash = firmware::source_hash,
           .boot_id = options.boot_id,
-          .reset_cause = firmware::ResetCause::power_on};
+          .reset_cause = options.reset_cause};
 }
 
 }  // namespace
@@ -52,13 +53,54 @@ struct NativeBoard::Impl final : firmware::Board {
       : world(&the_world),
         options(std::move(the_options)),
         log(options.log ? options.log : std::make_shared<RamLog>()),
-        controller(*this, *log, identity_of(options)) {
-    directions.fill(1);
-    next_step.fill(never);
+        settings(options.settings ? options.settings : std::make_shared<RamSettings>()),
+        controller(new_controller()) {
+    begin();
     options.samples_per_block = std::max(1u, options.samples_per_block);
     signal.resize(options.samples_per_block);
     monitor.resize(options.samples_per_block);
-    controller.start();
+    controller->start();
+  }
+
+  std::unique_ptr<firmware::Controller> new_controller() {
+    return std::make_unique<firmware::Controller>(*this, *log, identity_of(options),
+                                                  firmware::default_axes, settings.get());
+  }
+
+  /// Timers and lines as after a reset.
+  void begin() {
+    directions.fill(1);
+    next_step.fill(never);
+    next_block = never;
+    next_tick = now + ticks_per_ms;
+    output.clear();
+  }
+
+  void reset(firmware::ResetCause cause) {
+    // Without a program pins are inputs: the pull-downs of the bench keep it dark.
+    set_shutter(false);
+    for (int laser = 0; laser < 3; ++laser) set_laser(laser, false);
+    set_gain(0);
+    begin();
+    options.reset_cause = cause;
+    ++options.boot_id;
+    controller = new_controller();
+    controller->start();
+  }
+
+  void stand_still(Ticks duration) {
+    if (duration > watchdog_ticks) {
+      now += watchdog_ticks;
+      return reset(firmware::ResetCause::watchdog);
+    }
+    now += duration;
+    // Of the ticks missed the processor finds one.
+    if (next_tick < now) next_tick = now;
+    // The samples of a buffer of two blocks are there still; older ones were overwritten.
+    if (next_block != never && now - next_block >= options.samples_per_block * ticks_per_sample) {
+      controller->on_adc_overrun();
+      next_block = now + options.samples_per_block * ticks_per_sample;
+    }
   }
 
   // firmware::Board
@@ -86,6 +128,10 @@ struct NativeBoard::Impl final : firmware::Board {
   void set_shutter(bool open) override { world->set_shutter(open, seconds(now)); }
   void set_gain(int range) override { world->set_gain(range, seconds(now)); }
   bool interlock_closed() const override { return world->interlock_closed(); }
+  bool emergency_released() const override { return world->emergency_released(); }
+  bool overheated() const override { return world->overheated(); }
+  bool supply_low() const override { return world->supply_low(); }
+  bool stalled(int axis) const override { return world->stalled(axis); }
   void start_sampling(std::uint32_t phase_step) override {
     world->set_reference(phase_step);
     sampling_since = now;
@@ -110,7 +156,7 @@ struct NativeBoard::Impl final : firmware::Board {
       now = limit;
       return false;
     }
-    now = next;
+    now = std::max(now, next);  // late after standing still
     // At the same instant interrupts go before the main loop, steps first.
     if (step_at == next) {
       take_step(axis);
@@ -118,27 +164,38 @@ struct NativeBoard::Impl final : firmware::Board {
       take_samples();
     } else {
       next_tick += ticks_per_ms;
-      controller.tick();
+      controller->tick();
+      send_all();
     }
     return true;
   }
 
+  /// The main loop of a process has nothing else to look at.
+  void send_all() {
+    while (controller->send_more()) {
+    }
+  }
+
   void take_step(int axis) {
-    const std::uint32_t interval = controller.on_step_timer(axis);
-    next_step[index(axis)] = interval == 0 ? never : now + interval;
+    // A late step does not move the ones after it.
+    const Ticks due = next_step[index(axis)];
+    if (now - due > firmware::late_step_ticks) controller->on_late_step(axis);
+    const std::uint32_t interval = controller->on_step_timer(axis);
+    next_step[index(axis)] = interval == 0 ? never : due + interval;
   }
 
   void take_samples() {
     world->sample(seconds(sampling_since), firmware::sample_rate_hz, first_sample, signal, monitor);
     first_sample += signal.size();
     next_block += signal.size() * ticks_per_sample;
-    controller.on_samples(signal, monitor);
+    controller->on_samples(signal, monitor);
   }
 
   World* world;
   NativeBoardOptions options;
   std::shared_ptr<RamLog> log;
-  firmware::Controller controller;
+  std::shared_ptr<RamSettings> settings;
+  std::unique_ptr<firmware::Controller> controller;
   std::array<int, axis_count> directions{};
   std::array<Ticks, axis_count> next_step{};
   Ticks now = 0;
@@ -158,7 +215,8 @@ NativeBoard::NativeBoard(NativeBoard&&) noexcept = default;
 NativeBoard& NativeBoard::operator=(NativeBoard&&) noexcept = default;
 
 void NativeBoard::deliver(std::span<const std::uint8_t> bytes) {
-  impl_->controller.on_link_bytes(bytes);
+  impl_->controller->on_link_bytes(bytes);
+  impl_->send_all();
 }
 
 std::size_t NativeBoard::take_output(std::vector<std::uint8_t>& buffer) {
@@ -190,28 +248,35 @@ std::uint64_t NativeBoard::now_us() const {
 }
 
 bool NativeBoard::resting() const {
-  return impl_->next_block == never && impl_->controller.resting();
+  return impl_->next_block == never && impl_->controller->resting();
 }
 
 void NativeBoard::jog(int axis, std::int32_t by_udeg) {
-  impl_->controller.jog(axis, by_udeg);
+  impl_->controller->jog(axis, by_udeg);
 }
 void NativeBoard::stop_by_hand(bool emergency) {
-  impl_->controller.stop_by_hand(emergency);
+  impl_->controller->stop_by_hand(emergency);
 }
 firmware::HandView NativeBoard::hand_view(int axis) const {
-  return impl_->controller.hand_view(axis);
+  return impl_->controller->hand_view(axis);
 }
 
 void NativeBoard::signal_stall(int axis) {
-  impl_->controller.on_stall(axis);
+  impl_->controller->on_stall(axis);
 }
 void NativeBoard::signal_adc_overrun() {
-  impl_->controller.on_adc_overrun();
+  impl_->controller->on_adc_overrun();
+}
+
+void NativeBoard::stand_still(std::uint64_t duration_us) {
+  impl_->stand_still(duration_us * ticks_per_us);
+}
+void NativeBoard::reset(firmware::ResetCause cause) {
+  impl_->reset(cause);
 }
 
 std::int32_t NativeBoard::position_steps(int axis) const {
-  return impl_->controller.motion().position_steps(axis);
+  return impl_->controller->motion().position_steps(axis);
 }
 
 }  // namespace umov::boards::native

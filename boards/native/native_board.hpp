@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "boards/native/ram_log.hpp"
+#include "boards/native/ram_settings.hpp"
 #include "boards/native/world.hpp"
 #include "firmware/core/controller.hpp"
 
@@ -24,8 +25,12 @@ struct NativeBoardOptions {
   /// time. An emulator that runs faster than real time gives wall time, so that a host which is
   /// merely slower than virtual time is not taken for dead.
   std::function<std::uint64_t()> link_time_us;
+  /// Why it starts.
+  firmware::ResetCause reset_cause = firmware::ResetCause::power_on;
   /// Fault log kept over restarts; null: the board keeps its own, empty at start.
   std::shared_ptr<RamLog> log;
+  /// Saved settings kept over restarts; null: the board keeps its own, empty at start.
+  std::shared_ptr<RamSettings> settings{};
   /// ADC samples handed to the core at a time, like a DMA half-buffer.
   std::uint32_t samples_per_block = 250;
 };
@@ -63,6 +68,12 @@ class NativeBoard {
   void signal_stall(int axis);
   /// The ADC lost samples.
   void signal_adc_overrun();
+  /// The processor stands still for so long while the world goes on: what was due meanwhile comes
+  /// late, and a watchdog of 250 ms restarts it.
+  void stand_still(std::uint64_t duration_us);
+  /// The supply fails and comes back, or the watchdog bites: outputs fall, the core starts anew
+  /// with its log, its boot id one higher. Time goes on.
+  void reset(firmware::ResetCause cause);
   /// Step counter of an axis, as the core believes it.
   std::int32_t position_steps(int axis) const;
 

@@ -28,8 +28,14 @@ class World {
   /// Amplifier range 0..3 = gain 1, 10, 100, 1000.
   virtual void set_gain(int range, double time_s) = 0;
   virtual bool interlock_closed() const = 0;
-  /// Modulation output: a square wave, high while phase < 2^31; phase(n) = n * phase_step (mod 2^32)
-  /// at sample n counted from the start of sampling; phase_step = f / f_sample * 2^32.
+  /// Emergency button out; thermostats of drivers and lasers; supply voltage; a driver's stall
+  /// line.
+  virtual bool emergency_released() const { return true; }
+  virtual bool overheated() const { return false; }
+  virtual bool supply_low() const { return false; }
+  virtual bool stalled(int) const { return false; }
+  /// Modulation output: a square wave, high while phase < 2^31; phase(n) = n * phase_step (mod
+  /// 2^32) at sample n counted from the start of sampling; phase_step = f / f_sample * 2^32.
   virtual void set_reference(std::uint32_t phase_step) = 0;
   /// ADC codes of the two channels for samples first .. first + n - 1 of the stream that began at
   /// start_time_s with `sample_rate_hz`; both spans have length n; codes 0 .. 4095, mid-scale 2048.

@@ -42,4 +42,20 @@ void start_clocks() {
   set_bits(r.APB2ENR, TIM8EN | ADC1EN | ADC2EN | SYSCFGEN);
 }
 
+void stop_clocks() {
+  using namespace rcc_bits;
+  RccRegisters& r = rcc();
+  r.CFGR = 0;
+  while ((r.CFGR & SWS_MASK) != 0) {
+  }
+  clear_bits(r.CR, PLLON);
+  while ((r.CR & PLLRDY) != 0) {
+  }
+  flash_interface().ACR = 0;
+  r.AHB1ENR = CCMDATARAMEN;
+  r.AHB2ENR = 0;
+  r.APB1ENR = 0;
+  r.APB2ENR = 0;
+}
+
 }  // namespace umov::boards::stm32f407

@@ -14,5 +14,7 @@ inline constexpr std::uint32_t apb2_timer_hz = 2 * apb2_hz;
 
 /// Once, first of all: full speed, and the clocks of every block in use.
 void start_clocks();
+/// Back to the internal oscillator and to what a reset leaves switched on.
+void stop_clocks();
 
 }  // namespace umov::boards::stm32f407

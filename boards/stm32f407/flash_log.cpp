@@ -33,6 +33,31 @@ Words words_at(std::uint32_t offset) {
   return words;
 }
 
+/// Numbers of starts that wait out the erasure of the log: pairs of a number and its complement in
+/// the part of the image's sector that no image may take. A new image erases them; the log has the
+/// number then.
+struct Refuge {
+  static constexpr std::uint32_t longest_image = 96 * 1024, pair_bytes = 8;
+  static constexpr std::uintptr_t begin = image_area.address + longest_image,
+                                  end = image_area.address + image_area.size;
+
+  Refuge() {
+    for (; free < end; free += pair_bytes) {
+      const auto* pair = reinterpret_cast<const volatile std::uint32_t*>(free);
+      const std::uint32_t number = pair[0], complement = pair[1];
+      if (number == erased && complement == erased) return;
+      if (complement == ~number) newest = std::max(newest, number);
+    }
+  }
+  /// False when there is no room or the flash fails.
+  bool keep(std::uint32_t number) const {
+    return free < end && program(free, std::array{number, ~number});
+  }
+
+  std::uint32_t newest = 0;
+  std::uintptr_t free = begin;
+};
+
 }  // namespace
 
 std::uint32_t FlashLog::begin() {
@@ -41,7 +66,8 @@ std::uint32_t FlashLog::begin() {
     const Words words = words_at(used_);
     if (std::all_of(words.begin(), words.end(), [](std::uint32_t w) { return w == erased; })) break;
     if (words[entry_words - 1] != crc_of(words)) continue;
-    if (words[0] >> 16 == start_kind) starts = words[1];
+    // Every entry carries the start it belongs to: the count outlives a lost start entry.
+    starts = std::max(starts, words[1]);
     if (words[0] >> 16 == fault_kind) {
       keep({.time_us = words[2] | std::uint64_t{words[3]} << 32,
             .boot_id = words[1],
@@ -49,17 +75,19 @@ std::uint32_t FlashLog::begin() {
             .detail = static_cast<std::int32_t>(words[4])});
     }
   }
-  if (used_ > full_from) make_room();
-  const std::uint32_t number = starts + 1;
-  write(start_kind, {.boot_id = number});
+  const std::uint32_t number = std::max(starts, Refuge().newest) + 1;
+  if (used_ <= full_from || !make_room(number)) write(start_kind, {.boot_id = number});
   return number;
 }
 
-void FlashLog::make_room() {
-  if (!erase(log_area)) return;
+bool FlashLog::make_room(std::uint32_t number) {
+  // Without the number in safety a power cut from here on would begin at 1 again.
+  if (!Refuge().keep(number) || !erase(log_area)) return false;
   used_ = 0;
   unwritten_ = count_;
+  write(start_kind, {.boot_id = number});
   service();
+  return true;
 }
 
 void FlashLog::keep(const firmware::LoggedFault& entry) {

@@ -13,7 +13,8 @@ namespace umov::boards::stm32f407 {
 /// The newest 64 faults. A fault is written to flash by service(), when the axes stand: writing
 /// holds the core up. A sector that is seven eighths full is erased at a start, before anything
 /// moves, and the newest entries are written again; more than 340 faults between two starts are
-/// kept in RAM only. An entry torn by a power cut is passed over.
+/// kept in RAM only. An entry torn by a power cut is passed over; one while the sector is erased
+/// takes the entries with it, not the count of starts.
 /// Contexts: main loop.
 class FlashLog final : public firmware::PersistentLog {
  public:
@@ -30,7 +31,8 @@ class FlashLog final : public firmware::PersistentLog {
 
  private:
   void keep(const firmware::LoggedFault& entry);
-  void make_room();
+  /// Empties the sector and notes this start; false when it was left as it was.
+  bool make_room(std::uint32_t number);
   bool write(std::uint32_t kind, const firmware::LoggedFault& entry);
 
   std::array<firmware::LoggedFault, capacity> newest_{};  // ring

@@ -17,6 +17,8 @@ inline constexpr FlashArea settings_area_a{2, 0x0800'8000, 16 * 1024};
 inline constexpr FlashArea settings_area_b{3, 0x0800'C000, 16 * 1024};
 inline constexpr FlashArea log_area{4, 0x0801'0000, 64 * 1024};
 inline constexpr FlashArea image_area{5, 0x0802'0000, 128 * 1024};
+inline constexpr FlashArea staged_area{6, 0x0804'0000, 128 * 1024};
+inline constexpr FlashArea previous_area{7, 0x0806'0000, 128 * 1024};
 
 /// False when the chip reports an error (write protection, wrong sequence).
 bool erase(const FlashArea& area);

@@ -16,7 +16,8 @@ ExternalProject_Add(umov_stm32f407_image
   CMAKE_GENERATOR ${CMAKE_GENERATOR}
   BUILD_ALWAYS ON
   BUILD_COMMAND ${CMAKE_COMMAND} --build ${tree}
-  BUILD_BYPRODUCTS ${tree}/bin/umov-stm32f407.elf
+  BUILD_BYPRODUCTS ${tree}/bin/umov-stm32f407.elf ${tree}/bin/umov-stm32f407-boot.elf
   INSTALL_COMMAND ""
   USES_TERMINAL_BUILD ON)
 set(UMOV_STM32F407_ELF ${tree}/bin/umov-stm32f407.elf CACHE INTERNAL "the image that is flashed")
+set(UMOV_STM32F407_BOOT_ELF ${tree}/bin/umov-stm32f407-boot.elf CACHE INTERNAL "its boot loader")

@@ -7,11 +7,13 @@
 #include <new>
 #include <string_view>
 
+#include "boards/stm32f407/chip_serial.hpp"
 #include "boards/stm32f407/clock.hpp"
 #include "boards/stm32f407/flash_log.hpp"
 #include "boards/stm32f407/registers/core.hpp"
 #include "boards/stm32f407/registers/gpio.hpp"
 #include "boards/stm32f407/reset_cause.hpp"
+#include "boards/stm32f407/settings_flash.hpp"
 #include "boards/stm32f407/stm32_board.hpp"
 #include "boards/stm32f407/usb_application.hpp"
 #include "boards/stm32f407/usb_port.hpp"
@@ -23,10 +25,12 @@ namespace {
 
 Stm32Board board;
 FlashLog fault_log;
+SettingsFlash settings_flash;
+firmware::SettingsPages settings(settings_flash);
 alignas(firmware::Controller) std::byte controller_place[sizeof(firmware::Controller)];
 firmware::Controller* controller = nullptr;
 UsbPort usb_port;
-UsbApplication usb_application(board);
+UsbApplication usb_application;
 alignas(firmware::usb::Device) std::byte usb_place[sizeof(firmware::usb::Device)];
 firmware::usb::Device* usb = nullptr;
 std::atomic<bool> tick_due{false};
@@ -37,13 +41,15 @@ void start_interrupts() {
   set_priority(Irq::tim5, 0);
   set_priority(Irq::exti4, 1);
   set_priority(Irq::exti9_5, 1);
+  set_priority(Irq::exti15_10, 1);
+  set_priority(Irq::pvd, 1);
   set_priority(Irq::adc, 1);
   set_priority(Irq::dma2_stream0, 2);
   set_priority(Irq::dma1_stream6, 3);
   set_priority(Irq::otg_fs, 3);
   set_systick_priority(3);
-  for (const Irq irq : {Irq::tim2, Irq::tim5, Irq::exti4, Irq::exti9_5, Irq::adc, Irq::dma2_stream0,
-                        Irq::dma1_stream6, Irq::otg_fs}) {
+  for (const Irq irq : {Irq::tim2, Irq::tim5, Irq::exti4, Irq::exti9_5, Irq::exti15_10, Irq::pvd,
+                        Irq::adc, Irq::dma2_stream0, Irq::dma1_stream6, Irq::otg_fs}) {
     enable(irq);
   }
   systick().RVR = core_hz / 1000 - 1;
@@ -51,15 +57,11 @@ void start_interrupts() {
   systick().CSR = systick_bits::ENABLE | systick_bits::TICKINT | systick_bits::CLKSOURCE;
 }
 
-/// The chip's 96-bit number as 24 hexadecimal digits.
-std::array<char, 24> chip_serial() {
-  const auto* id = reinterpret_cast<const volatile std::uint32_t*>(memory_map::unique_id);
-  return firmware::usb::serial_of_chip({id[0], id[1], id[2]});
-}
-
-firmware::Identity identity(firmware::ResetCause cause, std::uint32_t boot_id) {
-  firmware::Identity who{
-      .firmware_hash = firmware::source_hash, .boot_id = boot_id, .reset_cause = cause};
+firmware::Identity identity(const ResetReport& reset, std::uint32_t boot_id) {
+  firmware::Identity who{.firmware_hash = firmware::source_hash,
+                         .boot_id = boot_id,
+                         .reset_cause = reset.cause,
+                         .reset_detail = reset.program_counter};
   constexpr std::string_view name = board_name;
   static_assert(name.size() <= sizeof(who.device_name));
   std::copy(name.begin(), name.end(), who.device_name.begin());
@@ -75,15 +77,23 @@ void stalled(std::uint32_t lines) {
   }
 }
 
-void on_exti(std::uint32_t lines) {
+std::uint32_t take_lines(std::uint32_t lines) {
   const std::uint32_t pending = exti().PR & lines;
   exti().PR = pending;
-  stalled(pending);
+  return pending;
+}
+
+/// An edge counts even when the line is good again: the light was out for that moment.
+void safety_inputs_changed(std::uint32_t lines) {
+  if ((lines & interlock_pin.mask()) != 0) controller->on_interlock_open();
+  if ((lines & emergency_pin.mask()) != 0) controller->on_emergency_stop();
+  if ((lines & cool_pin.mask()) != 0) controller->on_overheat();
 }
 
 template <unsigned timer>
 void on_step_timer() {
-  board.steps().on_interrupt<timer>([](int axis) { return controller->on_step_timer(axis); });
+  board.steps().on_interrupt<timer>([](int axis) { return controller->on_step_timer(axis); },
+                                    [](int axis) { controller->on_late_step(axis); });
 }
 
 }  // namespace
@@ -100,10 +110,16 @@ void tim5_handler() {
   on_step_timer<5>();
 }
 void exti4_handler() {
-  on_exti(bit(4));
+  stalled(take_lines(bit(4)));
 }
 void exti9_5_handler() {
-  on_exti(0x3E0);
+  stalled(take_lines(0x3E0));
+}
+void exti15_10_handler() {
+  safety_inputs_changed(take_lines(0xFC00));
+}
+void pvd_handler() {
+  if (take_lines(supply_line) != 0) controller->on_low_supply();
 }
 void adc_handler() {
   if (board.sampling().take_overrun()) controller->on_adc_overrun();
@@ -113,10 +129,12 @@ void dma2_stream0_handler() {
       [](std::span<const std::uint16_t> signal, std::span<const std::uint16_t> monitor) {
         controller->on_samples(signal, monitor);
       });
-  if (!all) controller->on_adc_overrun();
+  if (all) return;
+  board.sampling().stop();
+  controller->on_adc_overrun();
 }
 void dma1_stream6_handler() {
-  board.link().on_sent();
+  board.serial().on_sent();
 }
 void otg_fs_handler() {
   usb_port.on_interrupt();
@@ -127,14 +145,16 @@ void systick_handler() {
 
 int main() {
   start_clocks();
-  const auto cause = take_reset_cause();
+  const ResetReport reset = take_reset_cause();
   board.set_up();
   const std::uint32_t boot_id = fault_log.begin();
+  settings.begin();
   controller = new (controller_place)
-      umov::firmware::Controller(board, fault_log, identity(cause, boot_id), axes);
-  usb = new (usb_place) umov::firmware::usb::Device(usb_port, usb_application, chip_serial());
+      umov::firmware::Controller(board, fault_log, identity(reset, boot_id), axes, &settings);
+  usb = new (usb_place)
+      umov::firmware::usb::Device(usb_port, usb_application, chip_serial(), &board.serial());
   usb_application.bind(*controller);
-  board.use_usb(*usb);
+  board.use_link(*usb);
   usb_port.set_up();
   controller->start();
   usb->start();
@@ -142,16 +162,19 @@ int main() {
   start_interrupts();
   for (;;) {
     usb_port.poll(*usb);
-    board.link().read([](std::span<const std::uint8_t> bytes) {
-      // One host at a time: whoever is on USB has the controller.
-      if (!board.on_usb()) controller->on_link_bytes(bytes);
-    });
+    board.serial().read([](std::span<const std::uint8_t> bytes) { usb->take_serial(bytes); });
     if (tick_due.exchange(false, std::memory_order_acquire)) {
       feed_watchdog();
+      board.serial().service();
       controller->tick();
       usb->tick(board.time_us());
-      if (!controller->motion().busy()) fault_log.service();
+      if (!controller->motion().busy() && !board.supply_low()) fault_log.service();
+      if (usb_application.detached()) {
+        usb_port.disconnect();
+        reset_with(BootRequest::update);
+      }
     }
+    if (controller->send_more()) continue;
     // An interrupt between the look at the flag and here only costs the rest of this millisecond's
     // sleep if it was not the tick; a tick is looked for with interrupts held off.
     const CriticalSection alone;

@@ -92,6 +92,7 @@ void Sampling::set_up() {
 void Sampling::start(std::uint32_t phase_step) {
   stop();
   phase_ = 0;
+  next_half_ = 0;
   phase_step_ = phase_step;
   refill(0);
   refill(1);
@@ -137,7 +138,7 @@ bool Sampling::failed() const {
 bool Sampling::take_overrun() {
   if ((adc1().SR & adc_bits::OVR) == 0) return false;
   adc1().SR = ~adc_bits::OVR;
-  return running_;
+  return true;
 }
 
 void Sampling::separate(unsigned half) {

@@ -22,22 +22,25 @@ class Sampling {
   /// Any context; the modulation ends dark.
   void stop();
 
-  /// Interrupt of the pairs' DMA stream: calls `on_block(signal, monitor)`. False when samples were
-  /// lost.
+  /// Interrupt of the pairs' DMA stream: calls `on_block(signal, monitor)` for the block that is
+  /// full. False when samples were lost, were merged with later ones, or the modulation was not
+  /// written in time; sampling has stopped then.
   template <class OnBlock>
   bool on_interrupt(OnBlock&& on_block) {
-    bool ok = true;
-    for (unsigned half = 0; half < 2; ++half) {
-      if (!take_flag(half)) continue;
-      separate(half);
-      refill(half);
-      on_block(std::span<const std::uint16_t>(signal_), std::span<const std::uint16_t>(monitor_));
-      // The same half full again: the block was overwritten while it was read.
-      ok = ok && !full(half);
-    }
-    return ok && !failed();
+    if (!running_) return true;
+    const unsigned half = next_half_;
+    // Halves fill in turn. The other one full as well: the interrupt came more than a block late,
+    // and what is in this half has been, or is being, overwritten.
+    if (failed() || full(1 - half)) return false;
+    if (!take_flag(half)) return true;
+    next_half_ = 1 - half;
+    separate(half);
+    refill(half);
+    if (full(1 - half)) return false;  // it took until the DMA came back to this half
+    on_block(std::span<const std::uint16_t>(signal_), std::span<const std::uint16_t>(monitor_));
+    return true;
   }
-  /// ADC interrupt: true when a conversion was not fetched in time.
+  /// ADC interrupt: true when a conversion was not fetched in time, whatever for.
   bool take_overrun();
 
  private:
@@ -51,6 +54,7 @@ class Sampling {
   std::array<std::uint32_t, 2 * block_samples> levels_{};
   std::array<std::uint16_t, block_samples> signal_{};
   std::array<std::uint16_t, block_samples> monitor_{};
+  unsigned next_half_ = 0;
   std::uint32_t phase_ = 0;
   std::uint32_t phase_step_ = 0;
   volatile bool running_ = false;

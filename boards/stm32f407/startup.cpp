@@ -3,12 +3,13 @@
 #include <cstdint>
 
 #include "boards/stm32f407/registers/core.hpp"
+#include "boards/stm32f407/reset_cause.hpp"
 
 extern "C" {
 
 extern std::uint32_t image_data_load[], image_data_begin[], image_data_end[];
 extern std::uint32_t image_bss_begin[], image_bss_end[];
-extern std::uint32_t image_stack_top[];
+extern std::uint32_t image_stack_begin[], image_stack_top[];
 using Constructor = void (*)();
 extern Constructor __init_array_start[], __init_array_end[];
 
@@ -18,20 +19,31 @@ void tim2_handler();
 void tim5_handler();
 void exti4_handler();
 void exti9_5_handler();
+void exti15_10_handler();
+void pvd_handler();
 void adc_handler();
 void dma2_stream0_handler();
 void dma1_stream6_handler();
 void otg_fs_handler();
 void systick_handler();
 
-/// A processor fault: nothing can be trusted any more. Reset; the outputs are inputs from then on
-/// and their external pull-downs keep the light off.
-[[noreturn]] void fault_handler() {
-  using namespace umov::boards::stm32f407;
-  constexpr std::uint32_t key = 0x05FA'0000, system_reset = 1u << 2;
-  scb().AIRCR = key | system_reset;
-  for (;;) {
-  }
+/// A processor fault: nothing can be trusted any more, the stack least of all. Reset; the outputs
+/// are inputs from then on and their external pull-downs keep the light off. `frame`: where the
+/// stack stood.
+[[noreturn, gnu::used]] void fault_seen(const std::uint32_t* frame) {
+  constexpr std::uint32_t place_of_counter = 6;
+  const bool readable = frame >= image_stack_begin && frame + 8 <= image_stack_top;
+  umov::boards::stm32f407::reset_after_fault(readable ? frame[place_of_counter] : 0xFFFF'FFFF);
+}
+
+/// Also where an interrupt without a handler ends. Goes on with a stack of its own.
+[[noreturn, gnu::naked]] void fault_handler() {
+  asm volatile(
+      "mrs r0, msp\n\t"
+      "ldr r1, =image_stack_top\n\t"
+      "mov sp, r1\n\t"
+      "b fault_seen\n\t"
+      ".ltorg");
 }
 
 [[noreturn]] void reset_handler();
@@ -65,6 +77,8 @@ constexpr Table make_table() {
   table.vector[place(Irq::tim5)] = {.handler = tim5_handler};
   table.vector[place(Irq::exti4)] = {.handler = exti4_handler};
   table.vector[place(Irq::exti9_5)] = {.handler = exti9_5_handler};
+  table.vector[place(Irq::exti15_10)] = {.handler = exti15_10_handler};
+  table.vector[place(Irq::pvd)] = {.handler = pvd_handler};
   table.vector[place(Irq::adc)] = {.handler = adc_handler};
   table.vector[place(Irq::dma2_stream0)] = {.handler = dma2_stream0_handler};
   table.vector[place(Irq::dma1_stream6)] = {.handler = dma1_stream6_handler};
@@ -72,7 +86,13 @@ constexpr Table make_table() {
   return table;
 }
 
-/// The image's own vectors, at its beginning.
+/// Room for the image's header, which the build fills in (protocol/image_header.hpp).
+struct HeaderRoom {
+  std::uint8_t bytes[512];
+};
+[[gnu::section(".image_header"), gnu::used]] constinit const HeaderRoom header_room = {};
+
+/// The image's own vectors, behind its header.
 [[gnu::section(".vectors"), gnu::used]] constinit const Table vectors = make_table();
 
 /// What the chip reads at power-on while no boot loader is there: it goes straight to the image.

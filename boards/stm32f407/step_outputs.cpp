@@ -38,6 +38,7 @@ void StepOutputs::start(int axis, std::uint32_t ticks) {
     ending_[each] = false;
     timer.SR = ~CC(axis_pins[each].channel);
     set_bits(timer.DIER, CC(axis_pins[each].channel));
+    lowered_at_[each] = timer.CNT - low_ticks;  // it has been low for long
     arm<each>(timer.CNT + ticks);
   });
 }

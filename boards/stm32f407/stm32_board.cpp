@@ -5,19 +5,30 @@
 
 #include "boards/stm32f407/pins.hpp"
 #include "boards/stm32f407/registers/core.hpp"
+#include "boards/stm32f407/registers/watchdog.hpp"
 
 namespace umov::boards::stm32f407 {
 namespace {
 
-/// The stall output of a driver: rising edge on its EXTI line.
-void configure_stall(Pin pin) {
+enum class Edge : std::uint8_t { rising, falling };
+
+/// An input whose edge interrupts by its EXTI line.
+void configure_watched(Pin pin, Edge edge) {
   configure(pin, PinMode::input, Pull::down);
   const unsigned shift = 4u * (pin.number % 4u);
   change_bits(syscfg().EXTICR[pin.number / 4u], 15u << shift,
               static_cast<std::uint32_t>(pin.port) << shift);
-  set_bits(exti().RTSR, pin.mask());
+  set_bits(edge == Edge::rising ? exti().RTSR : exti().FTSR, pin.mask());
   exti().PR = pin.mask();
   set_bits(exti().IMR, pin.mask());
+}
+
+/// The supply's voltage: EXTI line 16 rises when it falls below the detector's level.
+void watch_supply() {
+  set_bits(pwr().CR, pwr_bits::PLS_HIGHEST | pwr_bits::PVDE);
+  set_bits(exti().RTSR, supply_line);
+  exti().PR = supply_line;
+  set_bits(exti().IMR, supply_line);
 }
 
 }  // namespace
@@ -26,16 +37,19 @@ void Stm32Board::set_up() {
   for (const Pin pin : laser_pins) configure_output(pin);
   for (const Pin pin : gain_pins) configure_output(pin);
   configure_output(shutter_pin);
-  configure(interlock_pin, PinMode::input, Pull::down);
+  for (const Pin pin : {interlock_pin, emergency_pin, cool_pin}) {
+    configure_watched(pin, Edge::falling);
+  }
+  watch_supply();
   for (const AxisPins& axis : axis_pins) {
     for (const Pin pin : {axis.home, axis.lower_limit, axis.upper_limit}) {
       configure(pin, PinMode::input, Pull::up);
     }
-    configure_stall(axis.stall);
+    configure_watched(axis.stall, Edge::rising);
   }
   steps_.set_up();
   sampling_.set_up();
-  link_.set_up();
+  serial_.set_up();
 }
 
 std::uint64_t Stm32Board::time_us() const {
@@ -45,14 +59,6 @@ std::uint64_t Stm32Board::time_us() const {
   clock_low_ = low;
   constexpr std::uint32_t ticks_per_us = firmware::step_timer_hz / 1'000'000;
   return (std::uint64_t{clock_high_} << 32 | low) / ticks_per_us;
-}
-
-std::size_t Stm32Board::link_room() const {
-  return on_usb() ? usb_->link_room() : link_.room();
-}
-
-bool Stm32Board::write_link(std::span<const std::uint8_t> frame) {
-  return on_usb() ? usb_->write_link(frame) : link_.write(frame);
 }
 
 void Stm32Board::set_direction(int axis, int direction) {
@@ -95,6 +101,18 @@ void Stm32Board::set_gain(int range) {
 
 bool Stm32Board::interlock_closed() const {
   return read(interlock_pin);
+}
+bool Stm32Board::emergency_released() const {
+  return read(emergency_pin);
+}
+bool Stm32Board::overheated() const {
+  return !read(cool_pin);
+}
+bool Stm32Board::supply_low() const {
+  return (pwr().CSR & pwr_bits::PVDO) != 0;
+}
+bool Stm32Board::stalled(int axis) const {
+  return read(axis_pins[static_cast<std::size_t>(axis)].stall);
 }
 
 void Stm32Board::mask_interrupts() {

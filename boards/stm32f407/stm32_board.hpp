@@ -16,8 +16,8 @@ class Stm32Board final : public firmware::Board {
 
   std::uint64_t time_us() const override;
   std::uint64_t link_time_us() const override { return time_us(); }
-  std::size_t link_room() const override;
-  bool write_link(std::span<const std::uint8_t> frame) override;
+  std::size_t link_room() const override { return usb_->link_room(); }
+  bool write_link(std::span<const std::uint8_t> frame) override { return usb_->write_link(frame); }
 
   void set_direction(int axis, int direction) override;
   void start_step_timer(int axis, std::uint32_t ticks) override { steps_.start(axis, ticks); }
@@ -30,6 +30,10 @@ class Stm32Board final : public firmware::Board {
   void set_shutter(bool open) override;
   void set_gain(int range) override;
   bool interlock_closed() const override;
+  bool emergency_released() const override;
+  bool overheated() const override;
+  bool supply_low() const override;
+  bool stalled(int axis) const override;
 
   void start_sampling(std::uint32_t phase_step) override { sampling_.start(phase_step); }
   void stop_sampling() override { sampling_.stop(); }
@@ -37,27 +41,18 @@ class Stm32Board final : public firmware::Board {
   void mask_interrupts() override;
   void unmask_interrupts() override;
 
-  /// Where frames for the host go: over USB from the first byte that came that way until it has
-  /// been silent for `usb_silence_us`, else over the serial line.
-  void use_usb(firmware::usb::Device& usb) { usb_ = &usb; }
-  void heard_on_usb() {
-    usb_heard_us_ = time_us();
-    usb_owns_ = true;
-  }
-  bool on_usb() const { return usb_owns_ && time_us() - usb_heard_us_ < usb_silence_us; }
-  static constexpr std::uint64_t usb_silence_us = firmware::usb::owner_silence_us;
+  /// The link of all hosts, on USB and on the serial line.
+  void use_link(firmware::usb::Device& usb) { usb_ = &usb; }
 
   StepOutputs& steps() { return steps_; }
   Sampling& sampling() { return sampling_; }
-  UartLink& link() { return link_; }
+  UartLink& serial() { return serial_; }
 
  private:
   StepOutputs steps_;
   Sampling sampling_;
-  UartLink link_;
+  UartLink serial_;
   firmware::usb::Device* usb_ = nullptr;
-  std::uint64_t usb_heard_us_ = 0;
-  bool usb_owns_ = false;
   mutable std::uint32_t clock_low_ = 0;
   mutable std::uint32_t clock_high_ = 0;
 };

@@ -35,13 +35,25 @@ void UartLink::set_up() {
   UsartRegisters& usart = usart2();
   usart.BRR = apb1_hz / link_baud;
   usart.CR3 = usart_bits::DMAR | usart_bits::DMAT;
+  start_receiving();
+  usart.CR1 = usart_bits::UE | usart_bits::TE | usart_bits::RE;
+}
+
+void UartLink::start_receiving() {
+  read_ = 0;
+  dma1().IFCR[receiving / 4] = dma_bits::ALL << dma_bits::flag_shift(receiving);
   DmaStreamRegisters& stream = dma1().stream[receiving];
-  stream.PAR = address(&usart.DR);
+  stream.PAR = address(&usart2().DR);
   stream.M0AR = address(received_.data());
   stream.NDTR = received_.size();
   stream.CR = usart_channel | dma_bits::MINC | dma_bits::CIRC;
   set_bits(stream.CR, dma_bits::EN);
-  usart.CR1 = usart_bits::UE | usart_bits::TE | usart_bits::RE;
+}
+
+void UartLink::service() {
+  // RM0090 10.3.19: a bus error clears EN. What came meanwhile is lost, as on any line; frames
+  // have a CRC.
+  if ((dma1().stream[receiving].CR & dma_bits::EN) == 0) start_receiving();
 }
 
 std::size_t UartLink::received_end() const {
@@ -63,7 +75,8 @@ bool UartLink::write(std::span<const std::uint8_t> bytes) {
 
 void UartLink::on_sent() {
   dma1().IFCR[sending / 4] = dma_bits::ALL << dma_bits::flag_shift(sending);
-  tail_ = tail_ + flying_;
+  // All of it, or after an error what had been fetched by then.
+  tail_ = tail_ + flying_ - (dma1().stream[sending].NDTR & 0xFFFFu);
   flying_ = 0;
   send_next();
 }
@@ -79,7 +92,8 @@ void UartLink::send_next() {
   stream.PAR = address(&usart2().DR);
   stream.M0AR = address(sent_.data() + start);
   stream.NDTR = count;
-  stream.CR = usart_channel | dma_bits::MINC | dma_bits::MEMORY_TO_PERIPHERAL | dma_bits::TCIE;
+  stream.CR = usart_channel | dma_bits::MINC | dma_bits::MEMORY_TO_PERIPHERAL | dma_bits::TCIE |
+              dma_bits::TEIE;
   set_bits(stream.CR, dma_bits::EN);
 }
 

@@ -5,15 +5,16 @@
 #include <cstdint>
 #include <span>
 
+#include "firmware/core/usb/link_switch.hpp"
+
 namespace umov::boards::stm32f407 {
 
 /// Contexts: on_sent() in the interrupt of the sending stream, the rest in the main loop.
-class UartLink {
+class UartLink final : public firmware::usb::SerialLine {
  public:
   void set_up();
-  std::size_t room() const { return sent_.size() - (head_ - tail_); }
-  /// False if it does not fit now; nothing is queued then.
-  bool write(std::span<const std::uint8_t> bytes);
+  std::size_t room() const override { return sent_.size() - (head_ - tail_); }
+  bool write(std::span<const std::uint8_t> bytes) override;
   /// Hands the bytes that have come in since to `take`, in one or two pieces.
   template <class Take>
   void read(Take&& take) {
@@ -25,10 +26,14 @@ class UartLink {
     if (end > read_) take(std::span<const std::uint8_t>(received_).subspan(read_, end - read_));
     read_ = end;
   }
+  /// A DMA error ends a transfer early: what is left of it is sent anew.
   void on_sent();
+  /// Once a millisecond: a receiving stream that an error has switched off is started again.
+  void service();
 
  private:
   std::size_t received_end() const;
+  void start_receiving();
   void send_next();
 
   /// 20 ms at 1 Mbaud; the main loop looks each millisecond.

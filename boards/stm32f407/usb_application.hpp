@@ -1,7 +1,7 @@
 // What the USB stack asks of this board: the controller behind it.
 #pragma once
 
-#include "boards/stm32f407/stm32_board.hpp"
+#include "boards/stm32f407/boot_request.hpp"
 #include "firmware/core/controller.hpp"
 #include "firmware/core/usb/application.hpp"
 
@@ -9,11 +9,9 @@ namespace umov::boards::stm32f407 {
 
 class UsbApplication final : public firmware::usb::Application {
  public:
-  explicit UsbApplication(Stm32Board& board) : board_(&board) {}
   void bind(firmware::Controller& controller) { controller_ = &controller; }
 
   void on_link_bytes(std::span<const std::uint8_t> bytes) override {
-    board_->heard_on_usb();
     controller_->on_link_bytes(bytes);
   }
   void on_hand_report(const firmware::usb::HandReport& report) override {
@@ -31,11 +29,15 @@ class UsbApplication final : public firmware::usb::Application {
             .axis = axis,
             .position_udeg = view.position_udeg};
   }
-  /// There is no boot loader to go to: the program stays where it is.
-  void on_detach() override {}
+  bool detach_allowed() const override {
+    return has_boot_loader() && !controller_->sequencer().active() && !controller_->motion().busy();
+  }
+  void on_detach() override { detached_ = true; }
+  /// The host has been told that the program ends.
+  bool detached() const { return detached_; }
 
  private:
-  Stm32Board* board_;
+  bool detached_ = false;
   firmware::Controller* controller_ = nullptr;
 };
 

@@ -32,16 +32,26 @@ void wait_us(std::uint32_t duration_us) {
   }
 }
 
+/// Waits until `done()`, at most `longest_wait_us`: all of these take some clocks of 48 MHz while
+/// the cable's clock runs. Should it not, the host sees a device that does not answer and resets
+/// it, which begins anew; the program goes on meanwhile.
+template <class Done>
+void wait_for(Done&& done) {
+  constexpr std::uint32_t longest_wait_us = 100;
+  const std::uint32_t begin = step_clock();
+  while (!done() &&
+         step_clock() - begin < longest_wait_us * (firmware::step_timer_hz / 1'000'000)) {
+  }
+}
+
 void flush_transmit(std::uint32_t fifo) {
   otg().GRSTCTL = TXFFLSH | fifo << 6;
-  while ((otg().GRSTCTL & TXFFLSH) != 0) {
-  }
+  wait_for([] { return (otg().GRSTCTL & TXFFLSH) == 0; });
 }
 
 void flush_receive() {
   otg().GRSTCTL = RXFFLSH;
-  while ((otg().GRSTCTL & RXFFLSH) != 0) {
-  }
+  wait_for([] { return (otg().GRSTCTL & RXFFLSH) == 0; });
 }
 
 }  // namespace
@@ -52,11 +62,9 @@ void UsbPort::set_up() {
   OtgGlobalRegisters& g = otg();
   g.GAHBCFG = 0;
   g.GUSBCFG = PHYSEL;
-  while ((g.GRSTCTL & AHBIDL) == 0) {
-  }
+  wait_for([] { return (otg().GRSTCTL & AHBIDL) != 0; });
   g.GRSTCTL = CSRST;
-  while ((g.GRSTCTL & CSRST) != 0) {
-  }
+  wait_for([] { return (otg().GRSTCTL & CSRST) == 0; });
   g.GUSBCFG = PHYSEL | FDMOD | TRDT_6;
   wait_us(25'000);  // RM0090 34.16.2: until the device mode is in force
   g.GCCFG = PWRDWN | NOVBUSSENS;
@@ -108,15 +116,20 @@ void UsbPort::begin_anew() {
   prepare_setup();
 }
 
-/// OUT 0 cannot be disabled: one that waits for a packet that a new request has made obsolete goes
-/// on as it is, and SETUP reaches it all the same.
+/// SETUP reaches endpoint 0 whatever it does, and the core clears EPENA before it reports the end
+/// of that phase (RM0090 34.16.4, DOEPCTL0). Before a reset's first SETUP it may be set still: OUT
+/// 0 cannot be disabled, and its counters may not be written then.
 void UsbPort::prepare_setup() {
   if ((otg_out(0).CTL & EPENA) == 0) otg_out(0).TSIZ = STUPCNT_3 | PKTCNT(1) | 64;
 }
 
 void UsbPort::poll(firmware::usb::PortEvents& events) {
   OtgGlobalRegisters& g = otg();
-  while (const std::uint32_t due = g.GINTSTS & events_used) {
+  // Bounded: a host that never pauses must not keep the tick waiting.
+  constexpr int most_rounds = 32;
+  for (int round = 0; round < most_rounds; ++round) {
+    const std::uint32_t due = g.GINTSTS & events_used;
+    if (due == 0) break;
     if ((due & USBRST) != 0) {
       g.GINTSTS = USBRST;
       begin_anew();
@@ -132,9 +145,11 @@ void UsbPort::poll(firmware::usb::PortEvents& events) {
       g.GINTSTS = WKUINT;
       events.on_resume();
     }
+    // IN first: a status stage that the host has taken is told before the SETUP that may have come
+    // after it, which ends whatever is under way.
+    if ((due & IEPINT) != 0) look_at_in(events);
     if ((due & RXFLVL) != 0) take_received();
     if ((due & OEPINT) != 0) look_at_out(events);
-    if ((due & IEPINT) != 0) look_at_in(events);
   }
   g.GAHBCFG = GINT;
 }
@@ -298,8 +313,7 @@ void UsbPort::abandon_in(unsigned endpoint) {
   if ((in.CTL & EPENA) == 0) return;
   set_bits(in.CTL, SNAK);
   set_bits(in.CTL, EPDIS | SNAK);
-  while ((in.CTL & EPENA) != 0) {
-  }
+  wait_for([&] { return (in.CTL & EPENA) == 0; });
   in.INT = EPDISD | XFRC;
   flush_transmit(endpoint);
 }
@@ -310,12 +324,12 @@ void UsbPort::abandon_out(unsigned endpoint) {
   OtgEndpointRegisters& out = otg_out(endpoint);
   if ((out.CTL & EPENA) == 0) return;
   set_bits(otg_device().DCTL, SGONAK);
-  while ((otg().GINTSTS & GONAKEFF) == 0) {
+  wait_for([&] {
     if ((otg().GINTSTS & RXFLVL) != 0) take_received();
-  }
+    return (otg().GINTSTS & GONAKEFF) != 0;
+  });
   set_bits(out.CTL, EPDIS | SNAK);
-  while ((out.CTL & EPENA) != 0) {
-  }
+  wait_for([&] { return (out.CTL & EPENA) == 0; });
   out.INT = EPDISD | XFRC;
   set_bits(otg_device().DCTL, CGONAK);
 }

@@ -4,12 +4,13 @@
 #include <cstdint>
 #include <new>
 
+#include "firmware/core/config/settings_pages.hpp"
 #include "firmware/core/controller.hpp"
 #include "firmware/core/usb/device.hpp"
 
 namespace {
 
-volatile std::uint32_t reg[64];  // stands for the chip's registers
+volatile std::uint32_t reg[80];  // stands for the chip's registers
 
 class RegisterBoard final : public umov::firmware::Board {
  public:
@@ -33,6 +34,10 @@ class RegisterBoard final : public umov::firmware::Board {
   void set_laser(int laser, bool on) override { reg[16 + laser] = on; }
   void set_shutter(bool open) override { reg[19] = open; }
   void set_gain(int range) override { reg[20] = static_cast<std::uint32_t>(range); }
+  bool emergency_released() const override { return reg[60] != 0; }
+  bool overheated() const override { return reg[61] != 0; }
+  bool supply_low() const override { return reg[62] != 0; }
+  bool stalled(int axis) const override { return (reg[63] >> axis & 1u) != 0; }
   bool interlock_closed() const override { return reg[21] != 0; }
   void start_sampling(std::uint32_t phase_step) override { reg[22] = phase_step; }
   void stop_sampling() override { reg[22] = 0; }
@@ -45,6 +50,21 @@ class NoLog final : public umov::firmware::PersistentLog {
   void append(const umov::firmware::LoggedFault& entry) override { reg[24] = entry.fault; }
   std::uint16_t count() const override { return 0; }
   bool read(std::uint16_t, umov::firmware::LoggedFault&) const override { return false; }
+};
+
+class RegisterPages final : public umov::firmware::FlashPages {
+ public:
+  std::uint32_t words_per_page() const override { return 4096; }
+  std::uint32_t read(int, std::uint32_t word) const override { return reg[58] + word; }
+  bool program(int page, std::uint32_t word, std::span<const std::uint32_t> words) override {
+    reg[59] = static_cast<std::uint32_t>(page) + word;
+    for (const std::uint32_t w : words) reg[60] = w;
+    return reg[61] == 0;
+  }
+  bool erase(int page) override {
+    reg[62] = static_cast<std::uint32_t>(page);
+    return true;
+  }
 };
 
 class RegisterPort final : public umov::firmware::usb::Port {
@@ -86,6 +106,7 @@ class Wires final : public umov::firmware::usb::Application {
     return {static_cast<std::uint8_t>(view.state), static_cast<std::uint8_t>(view.fault),
             view.homed_mask, axis, view.position_udeg};
   }
+  bool detach_allowed() const override { return reg[63] != 0; }
   void on_detach() override { reg[50] = 1; }
 
  private:
@@ -98,13 +119,17 @@ RegisterPort usb_port;
 alignas(umov::firmware::Controller) unsigned char storage[sizeof(umov::firmware::Controller)];
 RegisterBoard board;
 NoLog fault_log;
+RegisterPages settings_flash;
+umov::firmware::SettingsPages settings(settings_flash);
 
 }  // namespace
 
 extern "C" {
 
 void umov_check_entry() {
-  auto* controller = new (storage) umov::firmware::Controller(board, fault_log, {});
+  settings.begin();
+  auto* controller = new (storage)
+      umov::firmware::Controller(board, fault_log, {}, umov::firmware::default_axes, &settings);
   controller->start();
   auto* application = new (application_storage) Wires(*controller);
   auto* usb = new (usb_storage) umov::firmware::usb::Device(usb_port, *application, {});
@@ -125,7 +150,13 @@ void umov_check_entry() {
     reg[8] = controller->on_step_timer(static_cast<int>(reg[28] % 6));
     if (reg[29] != 0) controller->on_stall(0);
     if (reg[30] != 0) controller->on_adc_overrun();
+    if (reg[64] != 0) controller->on_late_step(0);
+    if (reg[65] != 0) controller->on_interlock_open();
+    if (reg[66] != 0) controller->on_emergency_stop();
+    if (reg[67] != 0) controller->on_overheat();
+    if (reg[68] != 0) controller->on_low_supply();
     controller->tick();
+    reg[69] = controller->send_more();
   }
 }
 

@@ -127,9 +127,8 @@ void Controller::handle(const FrameView& frame, const protocol::SetAxis& message
 
 void Controller::handle(const FrameView& frame, const protocol::SetLockin& message) {
   if (sequencer_.active() || motion_.busy()) return refuse(frame, Refusal::wrong_state);
-  // The harmonic must lie below half the sample rate.
   constexpr std::int32_t harmonic_field = 1;
-  if (std::uint64_t{message.harmonic} * message.reference_mhz >= 500ull * sample_rate_hz) {
+  if (!lockin_allowed(message)) {
     return refuse(frame, Refusal::out_of_range, harmonic_field);
   }
   sequencer_.configure(message);
@@ -228,10 +227,12 @@ void Controller::handle(const FrameView& frame, const protocol::ClearFault& mess
   const auto fault = static_cast<Fault>(message.fault);
   if (!safety_.latched(fault)) return refuse(frame, Refusal::wrong_state);
   if (motion_.busy()) return refuse(frame, Refusal::busy);  // still coming to rest
-  if (fault == Fault::interlock && !board_->interlock_closed()) {
-    return refuse(frame, Refusal::fault_active, message.fault);
-  }
+  if (persists(fault)) return refuse(frame, Refusal::fault_active, message.fault);
   safety_.clear(fault);
+  if (!safety_.latched()) {
+    outputs_.allow_light();
+    if (safety_.pending()) outputs_.hold_dark();  // a new one came in between
+  }
   accept(frame);
 }
 

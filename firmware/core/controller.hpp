@@ -2,9 +2,11 @@
 // entry points that a board calls.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <span>
 
+#include "firmware/core/config/saved_settings.hpp"
 #include "firmware/core/link/link.hpp"
 #include "firmware/core/motion/motion.hpp"
 #include "firmware/core/port.hpp"
@@ -23,21 +25,26 @@ struct HandView {
   std::int32_t position_udeg = 0;
 };
 
-/// One a board, statically allocated; board and log must outlive it.
+/// One a board, statically allocated; board, log and settings must outlive it. Without a store of
+/// settings the built-in ones hold after each start, and saving is refused.
 /// Contexts (firmware/README.md): on_step_timer() in the timer interrupts, on_samples() in the
-/// sample interrupt, on_stall() and on_adc_overrun() in any interrupt; start(), tick() and
+/// sample interrupt, on_stall() to on_low_supply() in any interrupt; start(), tick() and
 /// on_link_bytes() in the main loop.
 class Controller {
  public:
   Controller(Board& board, PersistentLog& log, const Identity& identity,
-             const AxisTable& axes = default_axes);
+             const AxisTable& axes = default_axes, SettingsStore* settings = nullptr);
 
-  /// Once, when the hardware is ready: dark, gain 1, faults of the last reset latched.
+  /// Once, when the hardware is ready: dark, gain 1, saved settings in force, faults of the last
+  /// reset latched.
   void start();
   /// Each millisecond.
   void tick();
   /// Bytes from the host, in chunks of any size.
   void on_link_bytes(std::span<const std::uint8_t> bytes);
+  /// As often as a board's main loop likes: sends more of what waits. True when there is more that
+  /// the link has room for.
+  bool send_more();
   /// A step is due; ticks to the next, 0 = none.
   std::uint32_t on_step_timer(int axis) { return motion_.on_step_timer(axis); }
   /// Codes of both channels, equal lengths, in the order sampled.
@@ -48,6 +55,13 @@ class Controller {
   void on_stall(int axis);
   /// Samples were lost.
   void on_adc_overrun();
+  /// A step came so late that its axis may not have followed.
+  void on_late_step(int axis);
+  /// The input has left its good level, if only for a moment.
+  void on_interlock_open();
+  void on_emergency_stop();
+  void on_overheat();
+  void on_low_supply();
 
   /// A hand controller at the instrument turns an axis by so much, microdegrees, from where it is
   /// going. Steps that come while it moves add up. Nothing happens while a fault is latched, a
@@ -68,8 +82,13 @@ class Controller {
 
   // controller.cpp
   void raise(protocol::Fault fault, std::int32_t detail);
+  void raise_from_interrupt(protocol::Fault fault, std::int32_t detail);
   void enter_safe_state();
   void collect_faults();
+  void collect_lost_positions();
+  void look_at_inputs();
+  /// What caused the fault is still there.
+  bool persists(protocol::Fault fault) const;
   void watch_deadline();
   void send_what_is_due();
   void send_records();
@@ -78,6 +97,14 @@ class Controller {
 
   // hand.cpp
   void follow_hand();
+
+  // settings.cpp
+  static bool lockin_allowed(const protocol::SetLockin& lockin);
+  SavedSettings settings_in_force() const;
+  bool take_over(const SavedSettings& settings);
+  void load_settings();
+  void handle(const FrameView& frame, const protocol::GetLockin& message);
+  void handle(const FrameView& frame, const protocol::SaveSettings& message);
 
   // commands.cpp
   void on_frame(const FrameView& frame);
@@ -108,12 +135,16 @@ class Controller {
 
   Board* board_;
   PersistentLog* log_;
+  SettingsStore* settings_;
   Identity identity_;
   OpticsOutputs outputs_;
   Motion motion_;
   Sequencer sequencer_;
   Safety safety_;
   Link link_;
+  SavedSettings built_in_{};
+  std::atomic<std::uint8_t> stalled_axes_{0};
+  std::atomic<std::uint8_t> late_axes_{0};
   bool session_open_ = false;
   bool credit_due_ = false;
   bool ticked_ = false;

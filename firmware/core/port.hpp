@@ -51,6 +51,14 @@ class Board {
   /// range 0 to 3 = gain 1, 10, 100, 1000 of the signal channel.
   virtual void set_gain(int range) = 0;
   virtual bool interlock_closed() const = 0;
+  /// The emergency stop's button is out.
+  virtual bool emergency_released() const = 0;
+  /// A thermostat on drivers or lasers has opened.
+  virtual bool overheated() const = 0;
+  /// The supply is about to fail: below what flash may be written at.
+  virtual bool supply_low() const = 0;
+  /// The driver of an axis reports lost steps at this moment.
+  virtual bool stalled(int axis) const = 0;
 
   /// Starts sampling both channels at `sample_rate_hz`, first sample now, with the modulation's
   /// phase n * phase_step (mod 2^32) at sample n; the laser is on while that phase is below 2^31.
@@ -91,8 +99,26 @@ class PersistentLog {
   ~PersistentLog() = default;
 };
 
+/// Settings that survive a reset (flash on hardware). Whoever saves them names their layout.
+class SettingsStore {
+ public:
+  /// none: nothing was ever saved. damaged: what was saved last fails its check. other_layout: it
+  /// is of firmware that keeps other settings.
+  enum class Loaded : std::uint8_t { good, none, damaged, other_layout };
+  /// Fills `settings` when the answer is good.
+  virtual Loaded load(std::uint16_t layout, std::span<std::uint8_t> settings) const = 0;
+  /// Returns when they are safe; false: those saved before stay.
+  virtual bool save(std::uint16_t layout, std::span<const std::uint8_t> settings) = 0;
+
+ protected:
+  SettingsStore() = default;
+  SettingsStore(const SettingsStore&) = default;
+  SettingsStore& operator=(const SettingsStore&) = default;
+  ~SettingsStore() = default;
+};
+
 /// Why the board started, as its reset flags tell.
-enum class ResetCause : std::uint8_t { power_on, watchdog, brown_out };
+enum class ResetCause : std::uint8_t { power_on, watchdog, brown_out, processor_fault };
 
 /// Who this controller is; told to the host at the handshake.
 struct Identity {
@@ -102,6 +128,8 @@ struct Identity {
   /// Differs at every start.
   std::uint32_t boot_id = 0;
   ResetCause reset_cause = ResetCause::power_on;
+  /// Where the program was, after a processor fault; -1: not known.
+  std::int32_t reset_detail = -1;
 };
 
 }  // namespace umov::firmware

@@ -21,7 +21,7 @@ skip() { printf 'the kernel lab is skipped: %s\n' "$*" >&2; exit 77; }
 qemu=$(command -v qemu-system-x86_64) || skip "no qemu-system-x86_64 (apt install qemu-system-x86)"
 busybox=$(command -v busybox) || skip "no busybox (apt install busybox-static)"
 for tool in cpio gzip; do command -v "$tool" >/dev/null || skip "no $tool (apt install $tool)"; done
-"$busybox" | grep -qw insmod || skip "this busybox has no insmod (apt install busybox-static)"
+[[ $'\n'$("$busybox" --list)$'\n' == *$'\ninsmod\n'* ]] || skip "this busybox has no insmod (apt install busybox-static)"
 [[ $(uname -m) == x86_64 ]] || skip "it needs an x86_64 machine"
 mkdir -p "$work/results"
 

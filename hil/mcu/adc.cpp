@@ -57,11 +57,7 @@ void Adc::hold() {
 
 void Adc::finish() {
   converting_ = false;
-  if (unread_ && (ccr_ >> 14 & 3u) != 0) {
-    master_.sr |= ovr;
-    tell_interrupt();
-    return;
-  }
+  if (unread_ && (ccr_ >> 14 & 3u) != 0) return overrun();
   pair_ = held_;
   master_.data = held_ & 0xFFFF;
   slave_.data = held_ >> 16;
@@ -69,6 +65,11 @@ void Adc::finish() {
   slave_.sr |= eoc;
   unread_ = true;
   ask_for_dma();
+}
+
+void Adc::overrun() {
+  master_.sr |= ovr;
+  tell_interrupt();
 }
 
 void Adc::ask_for_dma() {

@@ -20,6 +20,8 @@ class Adc : public Peripheral {
   void write(std::uint32_t offset, std::uint32_t value) override;
   /// Trigger number `source` of EXTSEL rises.
   void on_trigger(unsigned source);
+  /// The master reports an overrun, as after a pair that nobody fetched in time.
+  void overrun();
   /// The DMA stream has been switched on: a request that waits is served.
   void on_stream_enabled();
 

@@ -59,6 +59,14 @@ struct Cpu::Callbacks {
     uc_emu_stop(uc);
   }
 
+  static void breakpoint(uc_engine* uc, std::uint64_t, std::uint32_t, void* self) {
+    auto& cpu = *static_cast<Cpu*>(self);
+    if (std::exchange(cpu.leaving_breakpoint_, false)) return;
+    cpu.at_breakpoint_ = true;
+    cpu.stopped_ = true;
+    uc_emu_stop(uc);
+  }
+
   static bool no_memory(uc_engine*, uc_mem_type type, std::uint64_t address, int size, std::int64_t,
                         void* self) {
     auto& cpu = *static_cast<Cpu*>(self);
@@ -324,8 +332,27 @@ void Cpu::run(Time limit) {
   // An interrupt that is held off is looked for again after every piece of code.
   stop_at_ = nvic_->wakes(masks()) ? now_ + 1 : limit;
   if (now_ >= limit) return;
+  run_instructions(0);
+}
+
+void Cpu::step() {
+  const Nvic::Masks masked = masks();
+  if (sleeping_) {
+    if (!nvic_->wakes(masked)) return skip_to(std::min(scheduler_->next(), now_ + time_per_second));
+    sleeping_ = false;
+  }
+  if (const int exception = nvic_->to_take(masked)) return enter(exception);
+  nvic_->take_change();
+  stop_at_ = never;
+  run_instructions(1);
+}
+
+/// At most so many, 0: until something ends the slice.
+void Cpu::run_instructions(std::size_t most) {
   stopped_ = returning_ = false;
-  const uc_err error = uc_emu_start(engine(engine_), program_counter() | 1u, 0xFFFF'FFFF, 0, 0);
+  // The program goes on behind a breakpoint that it stands at.
+  leaving_breakpoint_ = breakpoints_.contains(program_counter());
+  const uc_err error = uc_emu_start(engine(engine_), program_counter() | 1u, 0xFFFF'FFFF, 0, most);
   put_back_stores();
   if (refused_) std::rethrow_exception(std::exchange(refused_, nullptr));
   if (!fault_.empty()) fail(fault_, "see what the program does there");
@@ -333,7 +360,47 @@ void Cpu::run(Time limit) {
     fail(std::string("the program can't go on: ") + uc_strerror(error),
          "see what the program does there");
   if (returning_) return return_from_exception(program_counter());
-  sleeping_ = !stopped_;  // WFI
+  sleeping_ = !stopped_ && most == 0;  // WFI
+}
+
+std::uint32_t Cpu::debug_register(int number) const {
+  if (number < 13) return reg(UC_ARM_REG_R0 + number);
+  constexpr std::array<int, 4> others = {UC_ARM_REG_SP, UC_ARM_REG_LR, UC_ARM_REG_PC,
+                                         UC_ARM_REG_XPSR};
+  return reg(others.at(static_cast<std::size_t>(number - 13)));
+}
+
+void Cpu::set_debug_register(int number, std::uint32_t value) {
+  if (number < 13) return set_reg(UC_ARM_REG_R0 + number, value);
+  constexpr std::array<int, 4> others = {UC_ARM_REG_SP, UC_ARM_REG_LR, UC_ARM_REG_PC,
+                                         UC_ARM_REG_XPSR};
+  set_reg(others.at(static_cast<std::size_t>(number - 13)), number == 15 ? value | 1u : value);
+}
+
+void Cpu::add_breakpoint(std::uint32_t address) {
+  if (breakpoints_.contains(address)) return;
+  uc_hook hook = 0;
+  check(uc_hook_add(engine(engine_), &hook, UC_HOOK_CODE,
+                    reinterpret_cast<void*>(&Callbacks::breakpoint), this, address, address),
+        "stop at an address");
+  breakpoints_[address] = hook;
+  // What has been translated before does not call back.
+  uc_ctl_remove_cache(engine(engine_), address & ~1u, (address & ~1u) + 2);
+}
+
+void Cpu::remove_breakpoint(std::uint32_t address) {
+  const auto found = breakpoints_.find(address);
+  if (found == breakpoints_.end()) return;
+  uc_hook_del(engine(engine_), found->second);
+  breakpoints_.erase(found);
+}
+
+const std::uint8_t* Cpu::find_memory(std::uint32_t address, std::uint32_t bytes) const {
+  for (const Memory& m : memory_) {
+    if (address >= m.begin && address - m.begin + std::uint64_t{bytes} <= m.contents.size())
+      return m.contents.data() + (address - m.begin);
+  }
+  return nullptr;
 }
 
 }  // namespace umov::mcu

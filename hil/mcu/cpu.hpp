@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <exception>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -70,6 +71,20 @@ class Cpu {
   }
   std::uint32_t program_counter() const;
 
+  // For a debugger. While a breakpoint divides a piece of code, its instructions are counted twice.
+  /// 0 to 15: R0 to PC; 16: xPSR.
+  std::uint32_t debug_register(int number) const;
+  void set_debug_register(int number, std::uint32_t value);
+  /// The program stops before the instruction at `address`.
+  void add_breakpoint(std::uint32_t address);
+  void remove_breakpoint(std::uint32_t address);
+  /// Whether the last slice ended at a breakpoint; forgets it.
+  bool take_breakpoint() { return std::exchange(at_breakpoint_, false); }
+  /// One instruction, or the entry to an exception that is due.
+  void step();
+  /// Bytes of memory; null where there is none.
+  const std::uint8_t* find_memory(std::uint32_t address, std::uint32_t bytes) const;
+
  private:
   struct Callbacks;
   struct Block {
@@ -82,6 +97,7 @@ class Cpu {
   template <class Action>
   void guard(Action&& action);
   void look_up();
+  void run_instructions(std::size_t most);
   void put_back_stores();
   std::uint8_t* place(std::uint32_t address, std::uint32_t bytes, bool to_write);
   std::uint32_t load(std::uint32_t address);
@@ -115,6 +131,9 @@ class Cpu {
   bool stopped_ = false;
   bool sleeping_ = false;
   bool returning_ = false;
+  bool at_breakpoint_ = false;
+  bool leaving_breakpoint_ = false;
+  std::map<std::uint32_t, std::size_t> breakpoints_;  // address, Unicorn's hook
   std::vector<std::pair<std::uint32_t, std::vector<std::uint8_t>>> made_of_stores_;
   std::exception_ptr refused_;
   std::string fault_;

@@ -140,8 +140,15 @@ void Gpio::write(std::uint32_t offset, std::uint32_t value) {
 Exti::Exti(std::function<void(std::uint32_t)> lines) : lines_(std::move(lines)) {}
 
 void Exti::on_edge(int port, int pin, bool rising) {
-  const std::uint32_t line = 1u << pin;
-  if (selected(pin) != port || ((rising ? rtsr_ : ftsr_) & line) == 0) return;
+  if (selected(pin) == port) latch(1u << pin, rising);
+}
+
+void Exti::on_supply_edge(bool rising) {
+  latch(1u << 16, rising);
+}
+
+void Exti::latch(std::uint32_t line, bool rising) {
+  if (((rising ? rtsr_ : ftsr_) & line) == 0) return;
   pr_ |= line;
   lines_(pr_ & imr_);
 }

@@ -49,7 +49,7 @@ class Gpio : public Peripheral {
   std::uint32_t outputs_ = 0;                                        // pins the chip drove then
 };
 
-/// External interrupt lines 0 to 15.
+/// External interrupt lines 0 to 16.
 class Exti : public Peripheral {
  public:
   /// `lines(mask)`: levels of the requests pending, bit n = line n.
@@ -58,11 +58,15 @@ class Exti : public Peripheral {
   std::uint32_t read(std::uint32_t offset) override;
   void write(std::uint32_t offset, std::uint32_t value) override;
   void on_edge(int port, int pin, bool rising);
+  /// Line 16: the output of the supply's voltage detector changes.
+  void on_supply_edge(bool rising);
   /// SYSCFG_EXTICR: which port a line listens to.
   void select(int line, int port) { port_of_[static_cast<std::size_t>(line)] = port; }
   int selected(int line) const { return port_of_[static_cast<std::size_t>(line)]; }
 
  private:
+  void latch(std::uint32_t line, bool rising);
+
   std::function<void(std::uint32_t)> lines_;
   std::uint32_t imr_ = 0, emr_ = 0, rtsr_ = 0, ftsr_ = 0, pr_ = 0;
   std::array<int, 16> port_of_{};

@@ -182,6 +182,8 @@ std::uint32_t OtgFs::pop_status() {
   Endpoint& e = out_[entry.status & 3u];
   switch (entry.status >> 17 & 15u) {
     case is_setup_done:
+      // RM0090 34.16.4, DOEPCTL0: EPENA is cleared before the phase is reported done.
+      out_[0].enabled = false;
       out_[0].interrupts |= setup_done;
       break;
     case is_out_done:

@@ -1,5 +1,6 @@
 #include "hil/mcu/rcc.hpp"
 
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -163,7 +164,7 @@ std::uint32_t Pwr::read(std::uint32_t offset) {
     case 0:
       return cr_;
     case 4:
-      return (cr_ & 0x4000u) != 0 ? 0x4000u : 0u;  // voltage scale ready
+      return ((cr_ & 0x4000u) != 0 ? 0x4000u : 0u) | (low_ ? 4u : 0u);  // scale ready, PVDO
     default:
       refuse_register("PWR", offset);
   }
@@ -171,9 +172,25 @@ std::uint32_t Pwr::read(std::uint32_t offset) {
 
 void Pwr::write(std::uint32_t offset, std::uint32_t value) {
   if (offset != 0) refuse_register("PWR", offset);
-  // Voltage scale, backup access: nothing of the low-power modes.
-  if ((value & ~0x4100u) != 0) refuse_setting("PWR", "CR", value);
+  // Voltage scale, backup access, voltage detector: nothing of the low-power modes.
+  if ((value & ~0x41F0u) != 0) refuse_setting("PWR", "CR", value);
   cr_ = value;
+  compare();
+}
+
+void Pwr::set_supply(std::uint32_t millivolts) {
+  supply_mv_ = millivolts;
+  compare();
+}
+
+void Pwr::compare() {
+  // Datasheet table 19, falling edges, typical.
+  constexpr std::array<std::uint32_t, 8> level_mv = {2040, 2190, 2340, 2480,
+                                                     2650, 2760, 2840, 2930};
+  const bool low = (cr_ & 0x10u) != 0 && supply_mv_ < level_mv[cr_ >> 5 & 7u];
+  if (low == low_) return;
+  low_ = low;
+  on_detector_(low);
 }
 
 }  // namespace umov::mcu

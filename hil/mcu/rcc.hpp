@@ -2,6 +2,9 @@
 // block has, and whether it has one at all.
 #pragma once
 
+#include <functional>
+#include <utility>
+
 #include "hil/mcu/peripheral.hpp"
 
 namespace umov::mcu {
@@ -43,13 +46,22 @@ class Rcc : public Peripheral {
 /// Flags that a reset of this kind leaves in RCC_CSR, on top of those not cleared before.
 std::uint32_t reset_flags_of(ResetSource source);
 
+/// Voltage scale, and the detector that tells when the supply falls below a level (5.2.3).
 class Pwr : public Peripheral {
  public:
+  /// `on_detector(low)`: its output, when it changes.
+  explicit Pwr(std::function<void(bool low)> on_detector) : on_detector_(std::move(on_detector)) {}
   std::uint32_t read(std::uint32_t offset) override;
   void write(std::uint32_t offset, std::uint32_t value) override;
+  void set_supply(std::uint32_t millivolts);
 
  private:
+  void compare();
+
+  std::function<void(bool)> on_detector_;
   std::uint32_t cr_ = 0x4000;
+  std::uint32_t supply_mv_ = 3300;
+  bool low_ = false;
 };
 
 }  // namespace umov::mcu

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -57,6 +58,12 @@ class Stm32f407 {
   /// What the outside does to a pin; empty: leaves it to the pull.
   void drive_pin(int port, int pin, std::optional<bool> level);
   bool pin_level(int port, int pin) const;
+  /// Voltage of the supply, for the detector; what resets the chip is reset(). 3,300 at first.
+  void set_supply(std::uint32_t millivolts);
+  /// The ADC reports an overrun.
+  void overrun_adc();
+  /// The processor does nothing for so long, as one that hangs; the peripherals go on.
+  void stand_still(Time duration);
   /// Bytes to USART2.
   void serial(std::span<const std::uint8_t> bytes);
 
@@ -67,6 +74,31 @@ class Stm32f407 {
   /// Resets since the beginning by watchdog and by the program.
   unsigned watchdog_resets() const { return watchdog_resets_; }
   unsigned software_resets() const { return software_resets_; }
+
+  /// Levels of the two pins that choose what starts, and start it. While NRST is low the chip is in
+  /// reset; when it rises with BOOT0 high, the chip's ROM loader has it, which is not modelled: it
+  /// does nothing until the next reset. A reset by watchdog, program or supply looks at BOOT0 too.
+  void set_boot0(bool high) { boot0_ = high; }
+  void set_nrst(bool high);
+  bool runs_program() const { return nrst_ && !in_rom_; }
+
+  // For a debugger: all but halted() and halt() while it is halted.
+  /// A halted chip lets no time pass: run_until() returns at once. It is halted by halt() and at
+  /// breakpoints, which outlive resets.
+  bool halted() const { return halted_; }
+  void halt() { halted_ = true; }
+  void go_on() { halted_ = false; }
+  /// One instruction. Throws what run_until() throws.
+  void step();
+  void set_breakpoint(std::uint32_t address, bool on);
+  void clear_breakpoints();
+  /// 0 to 15: R0 to PC; 16: xPSR.
+  std::uint32_t debug_register(int number) const;
+  void set_debug_register(int number, std::uint32_t value);
+  /// Empty where there is no memory (registers of peripherals are not read: that may change them).
+  std::vector<std::uint8_t> read_memory(std::uint32_t address, std::uint32_t size) const;
+  /// RAM only; false elsewhere.
+  bool write_memory(std::uint32_t address, std::span<const std::uint8_t> bytes);
 
   /// Instructions since the last reset: all, and in one exception without what interrupted it
   /// (16 + n: interrupt n; 0: main program); and how often an exception was entered.
@@ -84,6 +116,11 @@ class Stm32f407 {
   std::uint32_t reset_flags_ = 0;
   unsigned watchdog_resets_ = 0, software_resets_ = 0;
   bool paused_ = false;
+  std::uint32_t supply_mv_ = 3300;
+  Time stands_until_ = 0;
+  bool boot0_ = false, nrst_ = true, in_rom_ = false;
+  bool halted_ = false;
+  std::set<std::uint32_t> breakpoints_;
   std::unique_ptr<Core> core_;
 };
 

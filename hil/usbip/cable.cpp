@@ -7,6 +7,7 @@
 #include <cerrno>
 
 #include "hil/usbip/wire.hpp"
+#include "host/net/listener.hpp"
 
 namespace umov::usbip {
 namespace {
@@ -14,13 +15,9 @@ namespace {
 /// No driver asks for more at once; whatever claims to is not USB/IP.
 constexpr std::uint32_t longest_transfer = 4 * 1024 * 1024;
 
-bool would_block(int number) {
-  return number == EAGAIN || number == EWOULDBLOCK || number == EINTR;
-}
-
 }  // namespace
 
-Cable::Cable(Socket socket, UsbFunction& function)
+Cable::Cable(net::Socket socket, UsbFunction& function)
     : socket_(std::move(socket)),
       bus_(function, [this](const Urb& urb, std::int32_t status, std::size_t transferred) {
         finish(urb, status, transferred);
@@ -44,7 +41,7 @@ bool Cable::read_socket() {
   while (!broken_) {
     const ssize_t count = recv(socket_.descriptor(), buffer.data(), buffer.size(), 0);
     if (count <= 0) {
-      broken_ = count == 0 || !would_block(errno);
+      broken_ = count == 0 || !net::would_block(errno);
       break;
     }
     any = true;
@@ -106,7 +103,7 @@ void Cable::flush() {
     if (count > 0) {
       written_ += static_cast<std::size_t>(count);
     } else {
-      if (!would_block(errno)) broken_ = true;
+      if (!net::would_block(errno)) broken_ = true;
       return;
     }
   }

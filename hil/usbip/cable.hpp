@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "hil/usbip/bus.hpp"
-#include "hil/usbip/socket.hpp"
 #include "hil/usbip/usb_function.hpp"
+#include "host/net/socket.hpp"
 
 namespace umov::usbip {
 
@@ -16,7 +16,7 @@ class Cable {
  public:
   /// Plugs the device in: it is reset. `socket` has carried the USB/IP import already (or is one
   /// end of a pair whose other one the kernel was given). The device must outlive the cable.
-  Cable(Socket socket, UsbFunction& function);
+  Cable(net::Socket socket, UsbFunction& function);
   Cable(const Cable&) = delete;
   Cable& operator=(const Cable&) = delete;
 
@@ -35,7 +35,7 @@ class Cable {
   void flush();
   void finish(const Urb& urb, std::int32_t status, std::size_t transferred);
 
-  Socket socket_;
+  net::Socket socket_;
   Bus bus_;
   std::vector<std::uint8_t> input_;
   std::size_t taken_ = 0;

@@ -1,8 +1,5 @@
 #include "hil/usbip/server.hpp"
 
-#include <netdb.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
 
@@ -19,19 +16,25 @@
 #include "hil/usbip/vhci.hpp"
 #include "hil/usbip/wire.hpp"
 #include "host/errors/error.hpp"
+#include "host/net/listener.hpp"
 
 namespace umov::usbip {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 constexpr std::size_t most_clients = 16;
+/// A client that has not said what it wants by then has gone.
+constexpr std::chrono::seconds patience{10};
 /// Status in replies: all is well; the device is not there or somebody else has it.
 constexpr std::uint32_t good = 0;
 constexpr std::uint32_t refused = 1;
 
 /// A connection that has not imported a device yet.
 struct Client {
-  Socket socket;
+  net::Socket socket;
   std::vector<std::uint8_t> input;
+  Clock::time_point since;
 };
 
 void reply_header(std::vector<std::uint8_t>& out, std::uint16_t code, std::uint32_t status) {
@@ -39,7 +42,7 @@ void reply_header(std::vector<std::uint8_t>& out, std::uint16_t code, std::uint3
 }
 
 /// Replies are short and the connection is fresh: what does not go out at once never will.
-bool send_all(const Socket& socket, const std::vector<std::uint8_t>& bytes) {
+bool send_all(const net::Socket& socket, const std::vector<std::uint8_t>& bytes) {
   return ::send(socket.descriptor(), bytes.data(), bytes.size(), MSG_NOSIGNAL) ==
          static_cast<ssize_t>(bytes.size());
 }
@@ -49,7 +52,7 @@ bool send_all(const Socket& socket, const std::vector<std::uint8_t>& bytes) {
 struct Server::Impl {
   std::vector<ExportedDevice> devices;
   OnPlug on_plug;
-  Socket listener;
+  net::Listener listener;
   std::list<Client> clients;
   std::map<std::string, std::unique_ptr<Cable>> cables;
 
@@ -59,19 +62,21 @@ struct Server::Impl {
     return found == devices.end() ? nullptr : &*found;
   }
 
-  void plug(const ExportedDevice& device, Socket socket) {
+  void plug(const ExportedDevice& device, net::Socket socket) {
     cables[device.bus_id] = std::make_unique<Cable>(std::move(socket), *device.function);
     if (on_plug) on_plug(device.bus_id, true);
   }
 
   void accept_clients() {
-    while (listener) {
-      Socket socket(accept4(listener.descriptor(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
-      if (!socket) return;
-      const int on = 1;
-      setsockopt(socket.descriptor(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-      if (clients.size() < most_clients) clients.push_back({std::move(socket), {}});
-    }
+    if (listener.descriptor() < 0) return;
+    while (net::Socket socket = listener.accept()) take(std::move(socket));
+  }
+
+  /// Clients ask at once. One that has been silent longest makes room for the next, so that a few
+  /// that never ask keep nobody out.
+  void take(net::Socket socket) {
+    if (clients.size() >= most_clients) clients.pop_front();
+    clients.push_back({std::move(socket), {}, Clock::now()});
   }
 
   /// False when the client is done with: gone, refused, or its socket has become a cable.
@@ -79,7 +84,7 @@ struct Server::Impl {
     std::array<std::uint8_t, 256> buffer;
     const ssize_t count = recv(client.socket.descriptor(), buffer.data(), buffer.size(), 0);
     if (count == 0) return false;
-    if (count < 0) return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
+    if (count < 0) return net::would_block(errno) && Clock::now() - client.since < patience;
     client.input.insert(client.input.end(), buffer.begin(), buffer.begin() + count);
     if (client.input.size() < wire::operation_header_bytes) return true;
     std::vector<std::uint8_t> reply;
@@ -153,32 +158,18 @@ Server::Server(std::vector<ExportedDevice> devices, OnPlug on_plug)
 Server::~Server() = default;
 
 std::uint16_t Server::listen(std::uint16_t port, const std::string& address) {
-  const std::string port_text = std::to_string(port);
-  const auto fail = [&](const std::string& why, const std::string& remedy) {
-    throw Error("cannot listen on " + address + ":" + port_text + ": " + why, remedy);
-  };
-  addrinfo hints{};
-  hints.ai_socktype = SOCK_STREAM;
-  hints.ai_flags = AI_PASSIVE;
-  addrinfo* found = nullptr;
-  if (const int code = getaddrinfo(address.c_str(), port_text.c_str(), &hints, &found); code != 0) {
-    fail(gai_strerror(code), "give an address of this machine, such as 127.0.0.1");
+  impl_->listener = net::Listener(port, address);
+  return impl_->listener.port();
+}
+
+void Server::take_connection(net::Socket client) {
+  impl_->take(std::move(client));
+}
+
+void Server::replace(ExportedDevice device) {
+  for (auto& present : impl_->devices) {
+    if (present.bus_id == device.bus_id) present = std::move(device);
   }
-  const std::unique_ptr<addrinfo, void (*)(addrinfo*)> addresses(found, freeaddrinfo);
-  Socket listener(socket(found->ai_family, found->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  if (!listener) fail(std::strerror(errno), "check the limits of this machine");
-  const int on = 1;
-  setsockopt(listener.descriptor(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-  if (bind(listener.descriptor(), found->ai_addr, found->ai_addrlen) != 0 ||
-      ::listen(listener.descriptor(), 8) != 0) {
-    fail(std::strerror(errno), "choose another port with --port");
-  }
-  sockaddr_storage bound{};
-  socklen_t size = sizeof bound;
-  getsockname(listener.descriptor(), reinterpret_cast<sockaddr*>(&bound), &size);
-  impl_->listener = std::move(listener);
-  return ntohs(bound.ss_family == AF_INET6 ? reinterpret_cast<const sockaddr_in6&>(bound).sin6_port
-                                           : reinterpret_cast<const sockaddr_in&>(bound).sin_port);
 }
 
 void Server::plug_into_kernel(const std::string& bus_id) {
@@ -197,7 +188,8 @@ void Server::unplug(const std::string& bus_id) {
 
 void Server::wait(std::chrono::microseconds timeout) {
   std::vector<pollfd> requests;
-  if (impl_->listener) requests.push_back({impl_->listener.descriptor(), POLLIN, 0});
+  if (impl_->listener.descriptor() >= 0)
+    requests.push_back({impl_->listener.descriptor(), POLLIN, 0});
   for (const auto& client : impl_->clients) {
     requests.push_back({client.socket.descriptor(), POLLIN, 0});
   }

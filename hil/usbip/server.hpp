@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hil/usbip/exported_device.hpp"
+#include "host/net/socket.hpp"
 
 namespace umov::usbip {
 
@@ -27,6 +28,10 @@ class Server {
   /// Listens for USB/IP clients; port 0 takes a free one. Returns the port. Throws umov::Error when
   /// it can't.
   std::uint16_t listen(std::uint16_t port, const std::string& address = "127.0.0.1");
+  /// The device of that bus id has become another one. It must not be plugged in.
+  void replace(ExportedDevice device);
+  /// A client that has connected some other way; not blocking.
+  void take_connection(net::Socket client);
   /// Plugs a device into this machine's kernel; see attach_to_kernel().
   void plug_into_kernel(const std::string& bus_id);
   bool plugged(const std::string& bus_id) const;

@@ -37,7 +37,7 @@ int free_port(std::istream& status) {
 
 }  // namespace
 
-Socket attach_to_kernel(std::uint32_t device_id) {
+net::Socket attach_to_kernel(std::uint32_t device_id) {
   std::ifstream status(controller + "status");
   if (!status) {
     throw Error("this kernel has no virtual USB host controller",
@@ -53,12 +53,12 @@ Socket attach_to_kernel(std::uint32_t device_id) {
     throw Error(std::string("no socket for the virtual cable: ") + std::strerror(errno),
                 "check the limits of this machine");
   }
-  Socket ours(ends[0]);
-  const Socket kernels(ends[1]);
+  net::Socket ours(ends[0]);
+  const net::Socket kernels(ends[1]);
   // One write with all of it: what the attribute expects.
   const std::string line = std::to_string(port) + " " + std::to_string(kernels.descriptor()) + " " +
                            std::to_string(device_id) + " " + std::to_string(wire::full_speed);
-  const Socket attribute(::open((controller + "attach").c_str(), O_WRONLY | O_CLOEXEC));
+  const net::Socket attribute(::open((controller + "attach").c_str(), O_WRONLY | O_CLOEXEC));
   if (!attribute || ::write(attribute.descriptor(), line.data(), line.size()) !=
                         static_cast<ssize_t>(line.size())) {
     throw Error(std::string("the kernel does not take the virtual cable: ") + std::strerror(errno),

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "hil/usbip/socket.hpp"
+#include "host/net/socket.hpp"
 
 namespace umov::usbip {
 
@@ -11,6 +11,6 @@ namespace umov::usbip {
 /// host controller and returns the other end. When that is closed, by the program's death too, the
 /// device is unplugged. Throws umov::Error where vhci-hcd is not loaded, no port is free, or the
 /// user may not.
-Socket attach_to_kernel(std::uint32_t device_id);
+net::Socket attach_to_kernel(std::uint32_t device_id);
 
 }  // namespace umov::usbip

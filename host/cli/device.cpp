@@ -2,15 +2,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
-#include <limits>
 #include <memory>
 #include <string>
-#include <system_error>
-#include <type_traits>
 #include <vector>
 
 #include <fmt/format.h>
@@ -19,6 +14,10 @@
 
 #include "host/cli/command.hpp"
 #include "host/cli/device_choice.hpp"
+#include "host/cli/device_config.hpp"
+#include "host/cli/device_flash.hpp"
+#include "host/cli/device_selftest.hpp"
+#include "host/cli/device_session.hpp"
 #include "host/cli/interrupt.hpp"
 #include "host/errors/error.hpp"
 #include "host/instrument/program_control.hpp"
@@ -38,26 +37,17 @@ struct Options {
   std::string axis;
   std::string target;
   std::vector<std::string> axes;
-  std::vector<std::string> settings;
   bool clear = false;
   bool watch = false;
 };
 
 Session open_session(const Options& options, const Common& common) {
-  return Session(connector(options.device, "white-99", common.seed)());
+  return open_session(options.device, common);
 }
 
 std::string text(const protocol::Name& name) {
   const std::string whole(name.begin(), name.end());
   return whole.substr(0, whole.find('\0'));
-}
-
-std::uint8_t axis_by_name(const std::string& name) {
-  for (int axis = 0; axis < protocol::axis_count; ++axis) {
-    if (instrument::axis_name(axis) == name) return static_cast<std::uint8_t>(axis);
-  }
-  throw Error(fmt::format("there is no axis '{}'", name),
-              "axes are incidence, detector, azimuth, polarizer, analyzer, filter");
 }
 
 json status_json(const protocol::Status& status) {
@@ -133,65 +123,6 @@ void info(const Options& options, const Common& common) {
   }
 }
 
-void let_work(Session& session) {
-  session.poll(std::chrono::milliseconds(50));
-  while (session.next_event()) {
-  }
-}
-
-/// Longest move of one axis, and longest search for its home switch.
-constexpr std::chrono::seconds axis_limit{120};
-
-/// Until the axes stand: idle, or paused where a program waits. Ctrl-C brakes them.
-void wait_until_arrived(Session& session, int axes) {
-  const auto limit = axes * axis_limit;
-  const auto deadline = session.clock_us() + instrument::to_us(limit);
-  for (;;) {
-    let_work(session);
-    const auto status = session.request(protocol::GetStatus{});
-    if (status.fault != 0) throw instrument::Faulted(session.name(), status.fault, "while moving");
-    const auto state = static_cast<protocol::State>(status.state);
-    if (state == protocol::State::idle || state == protocol::State::paused) return;
-    if (interrupt_flag().load()) {
-      session.request(protocol::Stop{});
-      throw Interrupted("stopped; the axes brake where they are");
-    }
-    if (session.clock_us() >= deadline) {
-      session.request(protocol::Stop{});
-      throw Error({session.name()},
-                  fmt::format("the controller is still {} after {} s",
-                              instrument::state_name(status.state), limit.count()),
-                  "it was told to stop; look at its axes and repeat the command");
-    }
-  }
-}
-
-/// The whole of `text` as a finite number; `what` names it in the message.
-double finite_number(const std::string& text, const std::string& what, const char* remedy) {
-  const char* first = text.data();
-  const char* end = first + text.size();
-  if (text.size() > 1 && text[0] == '+' && text[1] != '-') ++first;
-  double value = 0;
-  const auto [last, error] = std::from_chars(first, end, value);
-  if (error != std::errc() || last != end || !std::isfinite(value)) {
-    throw Error(fmt::format("'{}' is not {}", text, what), remedy);
-  }
-  return value;
-}
-
-/// `value` in units of 1/scale, for a field of the controller. INT32_MIN is no number there.
-template <class Integer>
-Integer scaled_integer(double value, double scale, const std::string& name) {
-  constexpr auto most = std::numeric_limits<Integer>::max();
-  const double least = std::is_signed_v<Integer> ? -static_cast<double>(most) : 0.0;
-  const double scaled = std::round(scale * value);
-  if (!(scaled >= least && scaled <= static_cast<double>(most))) {
-    throw Error(fmt::format("{} = {:g} is out of range", name, value),
-                fmt::format("give {:g} to {:g}", least / scale, static_cast<double>(most) / scale));
-  }
-  return static_cast<Integer>(scaled);
-}
-
 void print_positions(Session& session, const Common& common) {
   const auto status = session.request(protocol::GetStatus{});
   if (common.json) {
@@ -237,54 +168,6 @@ void jog(const Options& options, const Common& common) {
   session.request(move);
   wait_until_arrived(session, 1);
   print_positions(session, common);
-}
-
-void config(const Options& options, const Common& common) {
-  auto session = open_session(options, common);
-  const auto axis = axis_by_name(options.axis);
-  auto now = session.request(protocol::GetAxis{axis});
-  protocol::SetAxis set{axis,
-                        now.min_udeg,
-                        now.max_udeg,
-                        now.speed_mdeg_s,
-                        now.acceleration_mdeg_s2,
-                        now.jerk_mdeg_s3,
-                        now.take_up_udeg};
-  for (const auto& setting : options.settings) {
-    const auto equals = setting.find('=');
-    const std::string key = setting.substr(0, equals);
-    if (equals == std::string::npos) {
-      throw Error(fmt::format("'{}' is not key=number", setting),
-                  "write for instance speed_deg_s=10");
-    }
-    const double value =
-        finite_number(setting.substr(equals + 1), "a number", "write for instance speed_deg_s=10");
-    if (key == "min_deg")
-      set.min_udeg = scaled_integer<std::int32_t>(value, 1e6, key);
-    else if (key == "max_deg")
-      set.max_udeg = scaled_integer<std::int32_t>(value, 1e6, key);
-    else if (key == "speed_deg_s")
-      set.speed_mdeg_s = scaled_integer<std::uint32_t>(value, 1e3, key);
-    else if (key == "acceleration_deg_s2")
-      set.acceleration_mdeg_s2 = scaled_integer<std::uint32_t>(value, 1e3, key);
-    else if (key == "jerk_deg_s3")
-      set.jerk_mdeg_s3 = scaled_integer<std::uint32_t>(value, 1e3, key);
-    else if (key == "take_up_deg")
-      set.take_up_udeg = scaled_integer<std::uint32_t>(value, 1e6, key);
-    else
-      throw Error(fmt::format("an axis has no setting '{}'", key),
-                  "settings are min_deg, max_deg, speed_deg_s, acceleration_deg_s2, jerk_deg_s3, "
-                  "take_up_deg");
-  }
-  now = options.settings.empty() ? now : session.request(set);
-  const json out{{"axis", options.axis},
-                 {"min_deg", 1e-6 * now.min_udeg},
-                 {"max_deg", 1e-6 * now.max_udeg},
-                 {"speed_deg_s", 1e-3 * now.speed_mdeg_s},
-                 {"acceleration_deg_s2", 1e-3 * now.acceleration_mdeg_s2},
-                 {"jerk_deg_s3", 1e-3 * now.jerk_mdeg_s3},
-                 {"take_up_deg", 1e-6 * now.take_up_udeg}};
-  fmt::print("{}\n", common.json ? out.dump() : out.dump(2));
 }
 
 /// Clears one fault after the other until none is latched; returns their names.
@@ -377,12 +260,15 @@ void list(const Common& common) {
     }
   };
   std::string trouble;
-  try {
-    add("usb", "bulk pipes", instrument::list_usb_devices());
-    add("hid", "HID reports", instrument::list_hid_devices());
-  } catch (const Error& error) {  // no USB here: that is no reason not to name the rest
-    trouble = error.problem();
-  }
+  const auto look = [&](const std::string& kind, const std::string& pipe, auto list) {
+    try {
+      add(kind, pipe, list());
+    } catch (const Error& error) {  // none of that kind here: no reason not to name the rest
+      trouble += (trouble.empty() ? "" : "\n") + error.problem();
+    }
+  };
+  look("usb", "bulk pipes", instrument::list_usb_devices);
+  look("hid", "HID reports", instrument::list_hid_devices);
   if (common.json) {
     fmt::print("{}\n", devices.dump());
     return;
@@ -393,6 +279,8 @@ void list(const Common& common) {
                device["about"].get<std::string>());
     closed = closed || !device.value("accessible", true);
   }
+  fmt::print("{:<32} controller's serial line, 1,000,000 baud unless ?baud= is added\n",
+             "serial:/dev/ttyUSB0");
   fmt::print("{:<32} controller or `umov emulator` on the network\n", "tcp:HOST:PORT");
   if (common.quiet) return;
   if (!trouble.empty()) fmt::print(stderr, "{}\n", trouble);
@@ -432,9 +320,9 @@ void add_device_command(CLI::App& root, const Common& common) {
                    "incidence, detector, azimuth, polarizer, analyzer or filter")
       ->required();
   jog_command->add_option("target", options->target, "degrees, or open")->required();
-  auto* config_command = add("config", "show or change the settings of an axis", config);
-  config_command->add_option("axis", options->axis, "axis")->required();
-  config_command->add_option("settings", options->settings, "key=value …");
+  add_device_config_command(*command, common);
+  add_device_flash_commands(*command, common);
+  add_device_selftest_command(*command, common);
   add("log", "the fault log, newest first", log)
       ->add_flag("--clear", options->clear, "clear the latched faults as well");
 }

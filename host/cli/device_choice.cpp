@@ -8,6 +8,7 @@
 #include "host/cli/emulator/emulated_instrument.hpp"
 #include "host/instrument/device_names.hpp"
 #include "host/instrument/hid_transport.hpp"
+#include "host/instrument/serial_transport.hpp"
 #include "host/instrument/tcp_transport.hpp"
 #include "host/instrument/usb_transport.hpp"
 
@@ -35,7 +36,7 @@ void add_plant_options(CLI::App& command, DeviceChoice& choice) {
 void add_device_options(CLI::App& command, DeviceChoice& choice) {
   command
       .add_option("--device", choice.device,
-                  "emulator, usb[:SERIAL], hid[:SERIAL] or tcp:HOST:PORT")
+                  "emulator, usb[:SERIAL], hid[:SERIAL], serial:PATH[?baud=N] or tcp:HOST:PORT")
       ->capture_default_str();
   add_plant_options(command, choice);
 }
@@ -57,6 +58,9 @@ Instrument choose_instrument(const DeviceChoice& choice, const std::string& plan
   }
   if (device.kind == instrument::DeviceKind::hid) {
     return {[device] { return instrument::connect_hid(device.serial); }, {}};
+  }
+  if (device.kind == instrument::DeviceKind::serial) {
+    return {[device] { return instrument::connect_serial_line(device.path, device.baud); }, {}};
   }
   emulator::BenchOptions bench;
   bench.sample = choice.sample.empty() ? catalogue_name(plan_sample) : choice.sample;

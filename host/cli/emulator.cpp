@@ -31,6 +31,8 @@ struct Options {
   bool gpio_adapter = false;
   std::string address = "127.0.0.1";
   std::string image;
+  std::string boot_loader;
+  int gdb_port = -1;
   bool real_time = false;
   bool list = false;
   bool parameters = false;
@@ -98,6 +100,18 @@ void announce(const std::string& line, const Common& common) {
 }
 #endif
 
+/// For ServeOptions and UsbOptions alike.
+template <class ServeOptions>
+void offer_debugger(const Options& options, const Common& common, ServeOptions& serve_options) {
+  if (options.gdb_port < 0) return;
+  if (options.image.empty())
+    throw Error("only an emulated chip can be debugged", "add --image ELF");
+  serve_options.gdb_port = static_cast<std::uint16_t>(options.gdb_port);
+  serve_options.on_gdb = [&](std::uint16_t port) {
+    announce(fmt::format("debugger: target remote localhost:{}", port), common);
+  };
+}
+
 void serve_usb(const emulator::BenchOptions& bench, const Options& options, const Common& common) {
   emulator::UsbOptions serve_options;
   serve_options.into_kernel = options.plug_in;
@@ -105,6 +119,7 @@ void serve_usb(const emulator::BenchOptions& bench, const Options& options, cons
   serve_options.port = options.port;
   serve_options.address = options.address;
   serve_options.real_time = options.real_time;
+  offer_debugger(options, common, serve_options);
   serve_options.on_ready = [&](std::uint16_t port) {
     if (options.plug_in) {
       announce(bench.sample +
@@ -124,7 +139,7 @@ void serve_usb(const emulator::BenchOptions& bench, const Options& options, cons
   const auto keep_going = [] { return !interrupt_flag().load(); };
   if (options.image.empty()) return emulator::serve_usb(bench, serve_options, keep_going);
 #ifdef UMOV_EMULATED_BOARD
-  emulator::serve_image_usb(bench, options.image, serve_options, keep_going);
+  emulator::serve_image_usb(bench, {options.image, options.boot_loader}, serve_options, keep_going);
 #else
   refuse_image();
 #endif
@@ -152,6 +167,7 @@ void run(const Options& options, const Common& common) {
   serve_options.port = options.port;
   serve_options.address = options.address;
   serve_options.real_time = options.real_time;
+  offer_debugger(options, common, serve_options);
   serve_options.on_listening = [&](std::uint16_t port) {
     announce(fmt::format("{} on the stage; connect with --device tcp:{}:{} (Ctrl-C ends)",
                          bench.sample, options.address, port),
@@ -163,7 +179,7 @@ void run(const Options& options, const Common& common) {
   const auto keep_going = [] { return !interrupt_flag().load(); };
   if (options.image.empty()) return emulator::serve(bench, serve_options, keep_going);
 #ifdef UMOV_EMULATED_BOARD
-  emulator::serve_image(bench, options.image, serve_options, keep_going);
+  emulator::serve_image(bench, {options.image, options.boot_loader}, serve_options, keep_going);
 #else
   refuse_image();
 #endif
@@ -187,16 +203,29 @@ void add_emulator_command(CLI::App& root, const Common& common) {
       ->excludes(usb)
       ->excludes(port);
   command->add_option("--address", options->address, "address to listen on")->capture_default_str();
-  auto* gpio_adapter = command->add_flag(
-      "--gpio-adapter", options->gpio_adapter,
-      "with --usb or --plug-in: also a MCP2221A GPIO adapter (USB device 1-2), its "
-      "lines wired to BOOT0, NRST and the interlock (low opens it)");
+  command->add_flag("--gpio-adapter", options->gpio_adapter,
+                    "with --usb or --plug-in: also a MCP2221A GPIO adapter (USB device 1-2), its "
+                    "lines wired to BOOT0, NRST and the interlock (low opens it)");
+  auto* image =
+      command
+          ->add_option("--image", options->image,
+                       "run this image of the controller board (umov-stm32f407.elf) on an emulated "
+                       "STM32F407 instead of the firmware core as a process")
+          ->type_name("ELF");
   command
-      ->add_option("--image", options->image,
-                   "run this image of the controller board (umov-stm32f407.elf) on an emulated "
-                   "STM32F407 instead of the firmware core as a process")
+      ->add_option(
+          "--boot-loader", options->boot_loader,
+          "with --image: start through this boot loader (umov-stm32f407-boot.elf), so that "
+          "the board can be updated over USB")
       ->type_name("ELF")
-      ->excludes(gpio_adapter);
+      ->needs(image);
+  command
+      ->add_option(
+          "--gdb", options->gdb_port,
+          "with --image: a debugger's port, 0 = any free one (gdb-multiarch ELF -ex 'target "
+          "remote localhost:PORT')")
+      ->type_name("PORT")
+      ->check(CLI::Range(0, 65535));
   command->add_flag("--real-time", options->real_time, "let emulated time follow the wall clock");
   command->add_flag("--list", options->list, "the shipped samples");
   command->add_flag("--parameters", options->parameters,

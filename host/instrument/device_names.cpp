@@ -8,7 +8,7 @@ namespace umov::instrument {
 namespace {
 
 constexpr std::string_view available =
-    "available are: emulator, usb[:SERIAL], hid[:SERIAL], tcp:HOST:PORT";
+    "available are: emulator, usb[:SERIAL], hid[:SERIAL], serial:PATH[?baud=N], tcp:HOST:PORT";
 
 std::string quoted(std::string_view text) {
   return "'" + std::string(text) + "'";
@@ -49,6 +49,31 @@ DeviceName parse_usb(std::string_view text, DeviceKind kind) {
   return name;
 }
 
+DeviceName parse_serial(std::string_view text) {
+  const auto refuse = [&](const std::string& why) {
+    throw Error("device " + quoted(text) + ": " + why,
+                "write serial:PATH or serial:PATH?baud=N, such as serial:/dev/ttyUSB0");
+  };
+  DeviceName name{DeviceKind::serial, {}, 0, {}, std::string(text)};
+  std::string_view path = text.substr(std::string_view("serial").size());
+  if (path.starts_with(':')) path.remove_prefix(1);
+  if (const std::size_t mark = path.find('?'); mark != std::string_view::npos) {
+    constexpr std::string_view key = "baud=";
+    std::string_view option = path.substr(mark + 1);
+    path = path.substr(0, mark);
+    if (!option.starts_with(key)) refuse("it has no option " + quoted(option));
+    option.remove_prefix(key.size());
+    const auto [end, error] =
+        std::from_chars(option.data(), option.data() + option.size(), name.baud);
+    if (error != std::errc{} || end != option.data() + option.size() || name.baud == 0) {
+      refuse(quoted(option) + " is no speed");
+    }
+  }
+  if (path.empty()) refuse("the path is missing");
+  name.path = path;
+  return name;
+}
+
 /// `usb` and `usb:SERIAL`, but not `usbx`.
 bool is_kind(std::string_view text, std::string_view kind) {
   return text.starts_with(kind) && (text.size() == kind.size() || text[kind.size()] == ':');
@@ -64,10 +89,7 @@ DeviceName parse_device_name(std::string_view text) {
   }
   if (is_kind(text, "usb")) return parse_usb(text, DeviceKind::usb);
   if (is_kind(text, "hid")) return parse_usb(text, DeviceKind::hid);
-  if (is_kind(text, "serial")) {
-    throw Error("device " + quoted(text) + ": serial devices are not available in this build",
-                std::string(available));
-  }
+  if (is_kind(text, "serial")) return parse_serial(text);
   throw Error("unknown device " + quoted(text), std::string(available));
 }
 

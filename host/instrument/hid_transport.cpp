@@ -3,21 +3,24 @@
 #include <fcntl.h>
 #include <hidapi.h>
 #include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <condition_variable>
 #include <cstdint>
+#include <cstring>
 #include <deque>
 #include <mutex>
 #include <thread>
 #include <utility>
 
 #include "host/instrument/link_lost.hpp"
-#include "host/instrument/socket.hpp"
 #include "host/instrument/usb_devices.hpp"
 #include "host/instrument/wall_clock.hpp"
+#include "host/net/socket.hpp"
 #include "protocol/usb.hpp"
 
 namespace umov::instrument {
@@ -87,10 +90,12 @@ class ReportReader {
 
 class HidTransport final : public Transport {
  public:
-  HidTransport(Socket lock, HidHandle reading, HidHandle writing, std::string name)
+  HidTransport(net::Socket lock, HidHandle reading, HidHandle writing, std::string name,
+               std::string node)
       : lock_(std::move(lock)),
         handle_(std::move(writing)),
         name_(std::move(name)),
+        node_(std::move(node)),
         reader_(std::move(reading)) {
     tell_presence(1);
   }
@@ -104,7 +109,7 @@ class HidTransport final : public Transport {
       std::array<unsigned char, 1 + report_bytes> report{};
       const auto part = bytes.first(std::min(bytes.size(), report_bytes));
       std::copy(part.begin(), part.end(), report.begin() + 1);
-      if (hid_write(handle_.get(), report.data(), report.size()) < 0) lose();
+      if (hid_write(handle_.get(), report.data(), report.size()) < 0) lose(std::strerror(errno));
       bytes = bytes.subspan(part.size());
     }
   }
@@ -112,7 +117,7 @@ class HidTransport final : public Transport {
   std::size_t read(std::span<std::uint8_t> buffer, microseconds timeout) override {
     bool lost = false;
     const std::size_t count = reader_.take(buffer, std::max(timeout, microseconds(0)), lost);
-    if (lost) lose();
+    if (lost) lose("its reports can't be read any more");
     return count;
   }
 
@@ -125,13 +130,16 @@ class HidTransport final : public Transport {
     const std::array<unsigned char, 1 + protocol::usb::presence_report_bytes> report{0, present};
     (void)hid_send_feature_report(handle_.get(), report.data(), report.size());
   }
-  [[noreturn]] void lose() const {
-    throw LinkLost(name_, "connection lost: the controller was unplugged");
+  /// An unplugged device's node has gone; else it is the device or the system that refuses.
+  [[noreturn]] void lose(const std::string& why) const {
+    const bool gone = ::access(node_.c_str(), F_OK) != 0;
+    throw LinkLost(name_, "connection lost: " + (gone ? "the controller was unplugged" : why));
   }
 
-  Socket lock_;
+  net::Socket lock_;
   HidHandle handle_;
   std::string name_;
+  std::string node_;
   WallClock clock_;
   ReportReader reader_;
 };
@@ -143,14 +151,14 @@ std::unique_ptr<Transport> connect_hid(const std::string& serial) {
   const std::string name = "hid:" + device.serial;
   // Any number of programs may open a hidraw node, and all would get every report: a lock keeps
   // the second one out.
-  Socket lock(::open(device.node.c_str(), O_RDWR | O_CLOEXEC));
-  if (!lock) throw LinkLost(name, "the controller has gone");
+  net::Socket lock(::open(device.node.c_str(), O_RDWR | O_CLOEXEC));
+  if (!lock) throw LinkLost(name, "can't open " + device.node + ": " + std::strerror(errno));
   if (::flock(lock.descriptor(), LOCK_EX | LOCK_NB) != 0) throw_busy(name, device.node);
   HidHandle reading(hid_open_path(device.node.c_str()));
   HidHandle writing(hid_open_path(device.node.c_str()));
-  if (!reading || !writing) throw LinkLost(name, "the controller has gone");
+  if (!reading || !writing) throw LinkLost(name, "can't open " + device.node + " for reports");
   return std::make_unique<HidTransport>(std::move(lock), std::move(reading), std::move(writing),
-                                        name);
+                                        name, device.node);
 }
 
 }  // namespace umov::instrument

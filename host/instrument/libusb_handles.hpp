@@ -9,6 +9,7 @@
 
 #include "host/errors/error.hpp"
 #include "host/instrument/usb_devices.hpp"
+#include "protocol/usb.hpp"
 
 namespace umov::instrument {
 
@@ -32,11 +33,13 @@ inline UsbContext open_usb_context() {
   return UsbContext(context);
 }
 
-/// The controllers that a context sees, by serial number, opened where the user may.
+/// The controllers that a context sees, by serial number, opened where the user may: those that run
+/// their program, or with `update_product_id` those in their boot loader.
 struct OpenUsbDevice {
   UsbDeviceInfo info;
   UsbHandle handle;
 };
-std::vector<OpenUsbDevice> find_usb_devices(libusb_context* context);
+std::vector<OpenUsbDevice> find_usb_devices(libusb_context* context,
+                                            std::uint16_t product_id = protocol::usb::product_id);
 
 }  // namespace umov::instrument

@@ -17,7 +17,7 @@ struct FaultText {
 };
 
 // In the order of protocol::Fault.
-constexpr std::array<FaultText, 12> fault_texts{{
+constexpr std::array<FaultText, 14> fault_texts{{
     {"none", "no fault is latched", "nothing to do"},
     {"interlock", "the interlock opened",
      "close the enclosure and clear the fault: umov device log --clear"},
@@ -46,8 +46,15 @@ constexpr std::array<FaultText, 12> fault_texts{{
      "home)"},
     {"internal", "the firmware found an inconsistency in itself",
      "restart the controller and keep the output of umov device log for its developers"},
+    {"settings_corrupt",
+     "the saved settings are damaged, or of other firmware; the built-in ones are in force",
+     "clear the fault (umov device log --clear), set what differs and save it (umov device config "
+     "set, config save)"},
+    {"over_temperature", "drivers or lasers are too hot",
+     "let them cool and clear the fault (umov device log --clear); look at fans and air"},
 }};
-static_assert(fault_texts.size() == static_cast<std::size_t>(protocol::Fault::internal) + 1);
+static_assert(fault_texts.size() ==
+              static_cast<std::size_t>(protocol::Fault::over_temperature) + 1);
 
 std::string axis_or_nothing(std::int32_t detail) {
   return detail >= 0 && detail < protocol::axis_count ? " (" + axis_name(detail) + ")" : "";
@@ -84,7 +91,7 @@ RefusalText refusal_text(const protocol::ErrorReply& reply) {
               "home the axes: umov device home"};
     case Refusal::outside_limits:
       return {"the position lies outside the limits of the axis" + axis_or_nothing(reply.detail),
-              "change the plan, or the axis limits with umov device config"};
+              "change the plan, or the axis limits with umov device config set"};
     case Refusal::schema_mismatch:
       return {"it does not accept this program's protocol version",
               "flash the firmware of this release"};
@@ -92,6 +99,9 @@ RefusalText refusal_text(const protocol::ErrorReply& reply) {
       return {"its axes are still moving", "wait, then repeat"};
     case Refusal::stale_program:
       return {"it has another program in memory", "resume the scan, which starts it anew"};
+    case Refusal::not_stored:
+      return {"it could not store that",
+              "restart the controller, which tidies its memory, and repeat"};
   }
   return {"reason " + std::to_string(reply.code) + ", unknown to this program",
           "use the program release that fits the firmware"};

@@ -140,7 +140,9 @@ Session::Reply Session::exchange(std::uint8_t request, std::uint8_t reply, bool 
 std::optional<Session::Reply> Session::await_reply(const Pending& pending) {
   const std::uint64_t deadline = clock_us() + to_us(options_.answer_timeout);
   while (const auto frame = next_frame(deadline)) {
-    if (!open_ && frame->type == protocol::Busy::info.id) {
+    // One with another number answered somebody else's hello; 0: the pipe answers unread.
+    if (!open_ && frame->type == protocol::Busy::info.id &&
+        (frame->sequence == pending.sequence || frame->sequence == 0)) {
       const auto busy = decoded<protocol::Busy>(frame->payload);
       const std::string owner = busy ? text_of(busy->owner) : std::string();
       throw Error(Place{name()},

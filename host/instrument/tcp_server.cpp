@@ -1,6 +1,5 @@
 #include "host/instrument/tcp_server.hpp"
 
-#include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -14,7 +13,7 @@
 #include <vector>
 
 #include "host/errors/error.hpp"
-#include "host/instrument/socket.hpp"
+#include "host/net/listener.hpp"
 #include "protocol/frame.hpp"
 #include "protocol/messages.hpp"
 
@@ -29,45 +28,35 @@ constexpr std::chrono::seconds farewell{1};
 constexpr std::size_t most_refused = 16;
 
 struct RefusedClient {
-  Socket socket;
+  net::Socket socket;
   Clock::time_point until;
 };
 
-Socket accept_from(const Socket& listener) {
-  return Socket(accept4(listener.descriptor(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
-}
-
-void set_option(const Socket& socket, int level, int option, int value) {
+void set_option(const net::Socket& socket, int level, int option, int value) {
   setsockopt(socket.descriptor(), level, option, &value, sizeof value);
 }
 
-bool would_block(int number) {
-  return number == EAGAIN || number == EWOULDBLOCK || number == EINTR;
-}
-
 /// Reads and drops; false once the other side has closed.
-bool drain(const Socket& socket) {
+bool drain(const net::Socket& socket) {
   std::array<std::uint8_t, 512> dropped;
   for (;;) {
     const ssize_t count = recv(socket.descriptor(), dropped.data(), dropped.size(), 0);
     if (count > 0) continue;
-    return count < 0 && would_block(errno);
+    return count < 0 && net::would_block(errno);
   }
 }
 
 }  // namespace
 
 struct TcpServer::Sockets {
-  Socket listener;
-  std::uint16_t port = 0;
-  Socket client;
+  net::Listener listener;
+  net::Socket client;
   std::uint64_t client_number = 0;
   protocol::FrameReader client_reader;  ///< looks for the hello
   protocol::Name owner{};
   std::vector<RefusedClient> refused;
 
-  void admit(Socket socket) {
-    set_option(socket, IPPROTO_TCP, TCP_NODELAY, 1);
+  void admit(net::Socket socket) {
     // A client that lost its power sends no farewell: notice within about ten seconds.
     set_option(socket, SOL_SOCKET, SO_KEEPALIVE, 1);
     set_option(socket, IPPROTO_TCP, TCP_KEEPIDLE, 4);
@@ -79,7 +68,7 @@ struct TcpServer::Sockets {
     ++client_number;
   }
 
-  void refuse(Socket socket) {
+  void refuse(net::Socket socket) {
     std::array<std::uint8_t, protocol::wire_frame_size<protocol::Busy>> frame{};
     const std::size_t size =
         protocol::FrameWriter::write(std::uint16_t{0}, protocol::Busy{owner}, frame);
@@ -101,7 +90,7 @@ struct TcpServer::Sockets {
   bool client_has_gone() const {
     std::uint8_t byte = 0;
     const ssize_t count = recv(client.descriptor(), &byte, 1, MSG_PEEK);
-    return count == 0 || (count < 0 && !would_block(errno));
+    return count == 0 || (count < 0 && !net::would_block(errno));
   }
 
   void note_owner(std::span<const std::uint8_t> bytes) {
@@ -122,34 +111,7 @@ struct TcpServer::Sockets {
 
 TcpServer::TcpServer(std::uint16_t port, const std::string& address)
     : sockets_(std::make_unique<Sockets>()) {
-  const std::string port_text = std::to_string(port);
-  const auto fail = [&](const std::string& why, const std::string& remedy) {
-    throw Error("cannot listen on " + address + ":" + port_text + ": " + why, remedy);
-  };
-  addrinfo hints{};
-  hints.ai_socktype = SOCK_STREAM;
-  hints.ai_flags = AI_PASSIVE;
-  addrinfo* found = nullptr;
-  if (const int code = getaddrinfo(address.c_str(), port_text.c_str(), &hints, &found); code != 0) {
-    fail(gai_strerror(code), "give an address of this machine, such as 127.0.0.1");
-  }
-  const std::unique_ptr<addrinfo, void (*)(addrinfo*)> addresses(found, freeaddrinfo);
-
-  Socket listener(socket(found->ai_family, found->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  if (!listener) fail(std::strerror(errno), "check the limits of this machine");
-  set_option(listener, SOL_SOCKET, SO_REUSEADDR, 1);
-  if (bind(listener.descriptor(), found->ai_addr, found->ai_addrlen) != 0 ||
-      listen(listener.descriptor(), 8) != 0) {
-    fail(std::strerror(errno), "choose another port with --port");
-  }
-  sockaddr_storage bound{};
-  socklen_t size = sizeof bound;
-  getsockname(listener.descriptor(), reinterpret_cast<sockaddr*>(&bound), &size);
-  const auto network_port = bound.ss_family == AF_INET6
-                                ? reinterpret_cast<const sockaddr_in6&>(bound).sin6_port
-                                : reinterpret_cast<const sockaddr_in&>(bound).sin_port;
-  sockets_->listener = std::move(listener);
-  sockets_->port = ntohs(network_port);
+  sockets_->listener = net::Listener(port, address);
 }
 
 TcpServer::~TcpServer() = default;
@@ -157,7 +119,7 @@ TcpServer::TcpServer(TcpServer&&) noexcept = default;
 TcpServer& TcpServer::operator=(TcpServer&&) noexcept = default;
 
 std::uint16_t TcpServer::port() const {
-  return sockets_->port;
+  return sockets_->listener.port();
 }
 bool TcpServer::has_client() const {
   return static_cast<bool>(sockets_->client);
@@ -178,7 +140,9 @@ bool TcpServer::wait(std::chrono::microseconds timeout) {
   bool news = requests[1].revents != 0;
   if (news && s.client && s.client_has_gone()) s.drop_client();
   if (requests[0].revents != 0) {
-    while (Socket socket = accept_from(s.listener)) {
+    while (net::Socket socket = s.listener.accept()) {
+      // Both may have happened since the last look: the client went, another came.
+      if (s.client && s.client_has_gone()) s.drop_client();
       if (s.client) {
         s.refuse(std::move(socket));
       } else {
@@ -199,7 +163,7 @@ std::size_t TcpServer::read(std::span<std::uint8_t> buffer) {
     s.note_owner(buffer.first(size));
     return size;
   }
-  if (count == 0 || !would_block(errno)) s.drop_client();
+  if (count == 0 || !net::would_block(errno)) s.drop_client();
   return 0;
 }
 
@@ -208,7 +172,7 @@ std::size_t TcpServer::write(std::span<const std::uint8_t> bytes) {
   if (!s.client) return bytes.size();
   const ssize_t count = send(s.client.descriptor(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
   if (count >= 0) return static_cast<std::size_t>(count);
-  if (would_block(errno)) return 0;
+  if (net::would_block(errno)) return 0;
   s.drop_client();
   return bytes.size();
 }

@@ -14,8 +14,8 @@
 
 #include "host/errors/error.hpp"
 #include "host/instrument/link_lost.hpp"
-#include "host/instrument/socket.hpp"
 #include "host/instrument/wall_clock.hpp"
+#include "host/net/socket.hpp"
 
 namespace umov::instrument {
 namespace {
@@ -31,7 +31,7 @@ std::string error_text(int number) {
 }
 
 /// Waits until the socket is ready for `events`; false on timeout or signal.
-bool wait_for(const Socket& socket, short events, microseconds timeout) {
+bool wait_for(const net::Socket& socket, short events, microseconds timeout) {
   const auto us = std::max<microseconds::rep>(timeout.count(), 0);
   const timespec limit{us / 1'000'000, (us % 1'000'000) * 1000};
   pollfd request{socket.descriptor(), events, 0};
@@ -40,7 +40,7 @@ bool wait_for(const Socket& socket, short events, microseconds timeout) {
 
 class TcpTransport final : public Transport {
  public:
-  TcpTransport(Socket socket, std::string name)
+  TcpTransport(net::Socket socket, std::string name)
       : socket_(std::move(socket)), name_(std::move(name)) {}
 
   void write(std::span<const std::uint8_t> bytes) override {
@@ -74,13 +74,13 @@ class TcpTransport final : public Transport {
   std::string name() const override { return name_; }
 
  private:
-  Socket socket_;
+  net::Socket socket_;
   std::string name_;
   WallClock clock_;
 };
 
 /// 0 when connected, else errno.
-int connect_within(const Socket& socket, const addrinfo& address, Clock::time_point deadline) {
+int connect_within(const net::Socket& socket, const addrinfo& address, Clock::time_point deadline) {
   if (::connect(socket.descriptor(), address.ai_addr, address.ai_addrlen) == 0) return 0;
   if (errno != EINPROGRESS) return errno;
   for (;;) {
@@ -114,8 +114,9 @@ std::unique_ptr<Transport> connect_tcp(const std::string& host, std::uint16_t po
   const Clock::time_point deadline = Clock::now() + timeout;
   int failure = EHOSTUNREACH;
   for (const addrinfo* address = found; address != nullptr; address = address->ai_next) {
-    Socket socket(::socket(address->ai_family, address->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC,
-                           address->ai_protocol));
+    net::Socket socket(::socket(address->ai_family,
+                                address->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC,
+                                address->ai_protocol));
     if (!socket) {
       failure = errno;
       continue;

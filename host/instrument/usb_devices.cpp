@@ -37,11 +37,11 @@ std::string string_of(libusb_device_handle* handle, std::uint8_t index) {
 }
 
 /// False when it is somebody else's device with the shared id.
-bool describe(libusb_device* device, OpenUsbDevice& found) {
+bool describe(libusb_device* device, std::uint16_t product_id, OpenUsbDevice& found) {
   UsbDeviceInfo& info = found.info;
   libusb_device_descriptor descriptor{};
   if (libusb_get_device_descriptor(device, &descriptor) != 0 ||
-      descriptor.idVendor != usb::vendor_id || descriptor.idProduct != usb::product_id) {
+      descriptor.idVendor != usb::vendor_id || descriptor.idProduct != product_id) {
     return false;
   }
   info.node = node_of(device);
@@ -82,13 +82,13 @@ std::string names_of(const std::vector<UsbDeviceInfo>& devices, const std::strin
 
 }  // namespace
 
-std::vector<OpenUsbDevice> find_usb_devices(libusb_context* context) {
+std::vector<OpenUsbDevice> find_usb_devices(libusb_context* context, std::uint16_t product_id) {
   libusb_device** list = nullptr;
   const auto count = libusb_get_device_list(context, &list);
   std::vector<OpenUsbDevice> found;
   for (ssize_t i = 0; i < count; ++i) {
     OpenUsbDevice device;
-    if (describe(list[i], device)) found.push_back(std::move(device));
+    if (describe(list[i], product_id, device)) found.push_back(std::move(device));
   }
   if (count >= 0) libusb_free_device_list(list, 1);
   std::sort(found.begin(), found.end(),

@@ -78,7 +78,7 @@ void check_against_device(const Plan& plan, const Program& program, instrument::
           fmt::format("row {} asks the {} axis for {:g} degrees; its limits are {:g} to {:g}",
                       index, instrument::axis_name(static_cast<int>(axis)), 1e-6 * target,
                       1e-6 * axes[axis].min_udeg, 1e-6 * axes[axis].max_udeg),
-          "change the plan, or the axis' limits with umov device config");
+          "change the plan, or the axis' limits with umov device config set");
     }
   }
 }

@@ -77,9 +77,10 @@ std::string enumeration_section() {
                                          "polarizer", "analyzer", "filter"};
   static_assert(std::size(axes) == axis_count);
   static constexpr const char* faults[] = {
-      "none",     "interlock", "emergency_stop", "limit",           "stall",     "link_lost",
-      "watchdog", "brown_out", "adc_overrun",    "missed_deadline", "not_homed", "internal"};
-  static_assert(std::size(faults) == static_cast<std::size_t>(Fault::internal) + 1);
+      "none",      "interlock", "emergency_stop",   "limit",           "stall",
+      "link_lost", "watchdog",  "brown_out",        "adc_overrun",     "missed_deadline",
+      "not_homed", "internal",  "settings_corrupt", "over_temperature"};
+  static_assert(std::size(faults) == static_cast<std::size_t>(Fault::over_temperature) + 1);
   static constexpr const char* states[] = {
       "idle",   "homing",           "moving",           "scanning",
       "paused", "waiting_for_rows", "waiting_for_host", "safe"};
@@ -87,8 +88,8 @@ std::string enumeration_section() {
   static constexpr const char* refusals[] = {"none",         "unknown_message", "bad_length",
                                              "out_of_range", "wrong_state",     "fault_active",
                                              "not_homed",    "outside_limits",  "schema_mismatch",
-                                             "busy",         "stale_program"};
-  static_assert(std::size(refusals) == static_cast<std::size_t>(Refusal::stale_program) + 1);
+                                             "busy",         "stale_program",   "not_stored"};
+  static_assert(std::size(refusals) == static_cast<std::size_t>(Refusal::not_stored) + 1);
   return "## Enumerations\n\n- Axis: " + enumerated(axes) + "\n- Fault: " + enumerated(faults) +
          "\n- State: " + enumerated(states) + "\n- Refusal: " + enumerated(refusals) +
          "\n- Gain request: 0 … 3 = range 1, 10, 100, 1000; 255 = automatic\n"

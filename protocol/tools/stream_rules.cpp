@@ -14,14 +14,14 @@ std::string describe_session_and_streams() {
    `schema_mismatch`, as it does before the first `hello`.
 3. `hello` on a pipe whose session is open opens it anew: the host was restarted. Program, rows and records
    in the device stay as they are.
-4. A pipe that serves one host at a time answers the `hello` of a second one with `busy` (any sequence number)
+4. A pipe that serves one host at a time answers the `hello` of a second one with `busy` (its number, or 0)
    and goes on with the first.
 5. A request carries the next number of the host's counter; its reply, `done` or `error_reply` carries the same
    number. Frames the device sends of its own accord (`row_credit`, `record`, `fault_event`) carry the device's
    own counter, which says nothing about their order.
 6. Frames may be lost, repeated or swapped by any pipe. The device acts on every request it gets; the host
    therefore asks again only where acting twice does no harm: `hello`, `time_sync`, `get_status`, `get_axis`,
-   `set_axis`, `set_lockin`, `read_log`, `stop`. When any other request goes unanswered the host finds out by
+   `set_axis`, `set_lockin`, `get_lockin`, `save_settings`, `read_log`, `stop`. When any other request goes unanswered the host finds out by
    `get_status` what became of it.
 7. The host sends something at least every 500 ms of its clock (`get_status` when there is nothing else). A
    device that hears nothing for its board's link timeout (2 s or more) while it moves or shines may latch

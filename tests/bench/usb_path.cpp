@@ -83,6 +83,7 @@ class Flood final : private firmware::usb::Application {
   }
   void on_hand_report(const firmware::usb::HandReport&) override {}
   firmware::usb::HandState hand_state(std::uint8_t) const override { return {}; }
+  bool detach_allowed() const override { return true; }
   void on_detach() override {}
 
   void run() {

@@ -3,7 +3,9 @@
 // in mid transfer. The stack keeps the rules of its port (which throws where they are broken),
 // never gives more than was asked for, and answers the next proper request.
 //
-// fuzz-link: umov_firmware umov_usbip
+// Now and then it meets the boot loader instead (mad_update.hpp).
+//
+// fuzz-link: umov_boot umov_usbip
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -17,6 +19,7 @@
 #include "protocol/messages.hpp"
 #include "protocol/schema.hpp"
 #include "tests/fuzz/foreign_bytes.hpp"
+#include "tests/fuzz/mad_update.hpp"
 
 namespace {
 
@@ -34,6 +37,7 @@ class Quiet final : public firmware::usb::Application {
     fuzz::require(axis < protocol::axis_count);
     return {.axis = axis, .position_udeg = position};
   }
+  bool detach_allowed() const override { return true; }
   void on_detach() override {}
   std::size_t heard = 0;
   std::int32_t position = 0;
@@ -83,6 +87,11 @@ constexpr std::array<Setup, 16> proper = {{
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Input input({data, size});
+  const std::uint8_t first = input.take();
+  if ((first & 6) == 6) {
+    fuzz::update_madly(input);
+    return 0;
+  }
   Quiet application;
   usbip::StackPort port;
   firmware::usb::Device device(port, application, {'F', 'U', 'Z', 'Z'});
@@ -97,7 +106,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     asked = (packet[0] & 0x80) != 0 ? static_cast<std::size_t>(packet[6] | (packet[7] << 8)) : 0;
     given = 0;
   };
-  if ((input.take() & 1) != 0) {
+  if ((first & 1) != 0) {
     setup(proper[6]);
     Packet status;
     fuzz::require(port.in(0, status) == Handshake::ack && status.size == 0);
@@ -131,7 +140,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         break;
       case 5: {
         const auto bytes = input.take(input.take());
-        const bool fits = bytes.size() <= device.link_room();
+        const bool fits = device.has_host() && bytes.size() <= device.link_room();
         fuzz::require(device.write_link(bytes) == fits);
         break;
       }

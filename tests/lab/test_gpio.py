@@ -1,5 +1,6 @@
 """The GPIO adapter under Linux' own driver: the interlock, BOOT0 and NRST through libgpiod."""
 
+import os
 import signal
 import subprocess
 import unittest
@@ -7,6 +8,7 @@ import unittest
 from lab_case import LabCase, wait_until
 
 BOOT0, NRST, INTERLOCK = 0, 1, 2
+IMAGE = os.environ.get("UMOV_BOARD_IMAGE", "").replace(".elf", ".dfu")
 
 
 class Gpio(LabCase):
@@ -58,6 +60,15 @@ class Gpio(LabCase):
         self.set(BOOT0, 1)
         self.set(NRST, 0)
         self.assertEqual([self.get(NRST)], [1], "as an input it is let go: the board pulls it up")
+        self.process.send_signal(signal.SIGINT)
+        _, told = self.process.communicate(timeout=20)
+        self.assertIn("NRST is low, BOOT0 high", told)
+
+    @unittest.skipUnless(os.path.exists(IMAGE), "the image of the controller board was not built")
+    def test_flashing_by_the_rom_loader_pulls_the_lines_and_tells_that_no_chip_answers(self):
+        self.write("lines.toml", '[reset]\nchip = "mcp2221_gpio"\nboot0 = 0\nnrst = 1\n')
+        self.refused("device", "flash", IMAGE, "--rom", "lines.toml", "--quiet", says=["0483:df11", "does not appear"])
+        self.assertEqual([self.get(line) for line in (BOOT0, NRST)], [0, 1], "let go again")
         self.process.send_signal(signal.SIGINT)
         _, told = self.process.communicate(timeout=20)
         self.assertIn("NRST is low, BOOT0 high", told)

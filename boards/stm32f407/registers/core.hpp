@@ -26,11 +26,13 @@ inline ScbRegisters& scb() {
 
 /// Interrupt numbers (RM0090 table 61).
 enum class Irq : unsigned {
+  pvd = 1,
   exti4 = 10,
   dma1_stream6 = 17,
   adc = 18,
   exti9_5 = 23,
   tim2 = 28,
+  exti15_10 = 40,
   tim5 = 50,
   dma2_stream0 = 56,
   otg_fs = 67,
@@ -45,6 +47,10 @@ inline void set_priority(Irq irq, unsigned priority) {
 inline void enable(Irq irq) {
   const auto number = static_cast<unsigned>(irq);
   at<Register>(memory_map::nvic + 4 * (number / 32)) = bit(number % 32);
+}
+inline void clear_pending(Irq irq) {
+  const auto number = static_cast<unsigned>(irq);
+  at<Register>(memory_map::nvic + 0x180 + 4 * (number / 32)) = bit(number % 32);
 }
 /// Priority of SysTick, exception 15.
 inline void set_systick_priority(unsigned priority) {

@@ -26,6 +26,9 @@ inline ExtiRegisters& exti() {
   return at<ExtiRegisters>(memory_map::exti);
 }
 
+/// Line 16 is the output of the supply's voltage detector.
+inline constexpr std::uint32_t supply_line = bit(16);
+
 struct SyscfgRegisters {
   Register MEMRMP, PMC, EXTICR[4], reserved[2], CMPCR;
 };

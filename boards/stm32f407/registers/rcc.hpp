@@ -29,7 +29,8 @@ inline constexpr std::uint32_t PLLSRC_HSE = bit(22);
 inline constexpr std::uint32_t SW_PLL = 2, SWS_MASK = 3u << 2, SWS_PLL = 2u << 2;
 inline constexpr std::uint32_t PPRE1_DIV4 = 5u << 10, PPRE2_DIV2 = 4u << 13;
 // AHB1ENR
-inline constexpr std::uint32_t GPIO_ALL = 0x1F, DMA1EN = bit(21), DMA2EN = bit(22);
+inline constexpr std::uint32_t GPIO_ALL = 0x1F, CCMDATARAMEN = bit(20), DMA1EN = bit(21),
+                               DMA2EN = bit(22);
 // AHB2ENR
 inline constexpr std::uint32_t OTGFSEN = bit(7);
 // APB1ENR

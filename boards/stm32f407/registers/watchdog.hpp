@@ -25,6 +25,8 @@ inline PwrRegisters& pwr() {
 }
 namespace pwr_bits {
 inline constexpr std::uint32_t VOS_SCALE_1 = bit(14);
-}
+/// CR: the voltage detector at its highest level, 2.8 to 2.9 V. CSR: below it.
+inline constexpr std::uint32_t PVDE = bit(4), PLS_HIGHEST = 7u << 5, PVDO = bit(2);
+}  // namespace pwr_bits
 
 }  // namespace umov::boards::stm32f407

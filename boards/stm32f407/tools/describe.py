@@ -17,11 +17,12 @@ from fractions import Fraction
 AXES = ["incidence", "detector", "azimuth", "polarizer", "analyzer", "filter"]
 # Alternate functions used (datasheet DS8626, table 9): pin -> (timer, channel).
 STEP_TIMER = {
-    "PA15": (2, 1), "PB3": (2, 2), "PB10": (2, 3), "PB11": (2, 4),
+    "PA5": (2, 1), "PB3": (2, 2), "PB10": (2, 3), "PB11": (2, 4),
     "PA0": (5, 1), "PA1": (5, 2),
 }
 # ADC inputs (datasheet table 7).
 ADC_CHANNEL = {f"PC{n}": 10 + n for n in range(6)} | {"PB0": 8, "PB1": 9} | {f"PA{n}": n for n in range(8)}
+SAFETY = ["interlock", "emergency", "cool"]
 OPTICS = ["laser_1", "laser_2", "laser_3", "shutter", "gain_0", "gain_1", "modulation", "signal", "monitor"]
 AXIS_PINS = ["step", "direction", "home", "lower_limit", "upper_limit", "stall"]
 MEANING = {
@@ -33,6 +34,9 @@ MEANING = {
     "signal": ("analog", "photodiode amplifier, 0 to 3.3 V, rests at 1.65 V"),
     "monitor": ("analog", "monitor amplifier, 0 to 3.3 V, rests at 1.65 V"),
     "interlock": ("in, pulled down", "high = closed; a broken wire is an open interlock"),
+    "emergency": ("in, pulled down", "high = emergency button out; a broken wire is a pressed one"),
+    "cool": ("in, pulled down", "high = thermostats closed; a broken wire is too hot"),
+    "jtdi": ("debug", "pulled up at reset; left alone"),
     "usb_dm": ("USB", "D-, connector CN5"), "usb_dp": ("USB", "D+, connector CN5"),
     "usb_vbus": ("in", "not looked at; wired to CN5"),
     "swdio": ("debug", "ST-LINK"), "swclk": ("debug", "ST-LINK"),
@@ -52,7 +56,7 @@ def pins_of(board):
     """All (owner, role, pin), in the order of the table."""
     found = [("link", role, board["link"][role]) for role in ("tx", "rx")]
     found += [("optics", role, board["optics"][role]) for role in OPTICS]
-    found.append(("safety", "interlock", board["safety"]["interlock"]))
+    found += [("safety", role, board["safety"][role]) for role in SAFETY]
     for axis in board["axis"]:
         found += [(axis["name"], role, axis[role]) for role in AXIS_PINS]
     found += [("usb", role, pin) for role, pin in board["usb"].items()]
@@ -78,6 +82,12 @@ def check(board):
             raise Refused(f"{axis['name']}.stall: needs an EXTI line 4 to 9 of its own")
         stalls[line] = axis["name"]
         steps_per_turn(axis)
+    lines = {}
+    for role in SAFETY:
+        line = int(board["safety"][role][2:])
+        if line in lines or line < 10:
+            raise Refused(f"safety.{role}: needs an EXTI line 10 to 15 of its own")
+        lines[line] = role
     for role in ("signal", "monitor"):
         if board["optics"][role] not in ADC_CHANNEL:
             raise Refused(f"optics.{role}: {board['optics'][role]} is no input of ADC1 and ADC2")
@@ -111,6 +121,7 @@ def header(board):
             f"inline constexpr std::uint32_t crystal_hz = {b['crystal_hz']};",
             f"inline constexpr std::uint32_t core_hz = {b['core_hz']};",
             f"inline constexpr std::uint32_t step_pulse_us = {b['step_pulse_us']};",
+            f"inline constexpr std::uint32_t step_low_us = {b['step_low_us']};",
             f"inline constexpr std::uint32_t link_baud = {link['baud']};",
             f"inline constexpr Pin link_tx{pin_text(link['tx'])};",
             f"inline constexpr Pin link_rx{pin_text(link['rx'])};"]
@@ -125,7 +136,9 @@ def header(board):
                    f"{ADC_CHANNEL[optics[role]]}}};")
     for role in ("usb_dm", "usb_dp"):
         out.append(f"inline constexpr Pin {role}_pin{pin_text(board['usb'][role])};")
-    out += [f"inline constexpr Pin interlock_pin{pin_text(board['safety']['interlock'])};", "",
+    for role in SAFETY:
+        out.append(f"inline constexpr Pin {role}_pin{pin_text(board['safety'][role])};")
+    out += ["",
             "inline constexpr std::array<AxisPins, 6> axis_pins = {{"]
     for axis in board["axis"]:
         timer, channel = STEP_TIMER[axis["step"]]

@@ -36,10 +36,19 @@ inline constexpr std::uint32_t reply_reserve_bytes = 1100;
 inline constexpr std::uint64_t link_timeout_us = 3'000'000;
 /// Records sent and not acknowledged are sent again after this time of the link's clock.
 inline constexpr std::uint64_t record_resend_us = 2'000'000;
+/// Records put into frames at a time: 0.2 ms of work, after which a board can look at its link
+/// again.
+inline constexpr int records_per_turn = 4;
 /// Unanswered row credit is repeated after this time of the link's clock.
 inline constexpr std::uint64_t credit_resend_us = 100'000;
 /// New credit is told when this many rows have been taken or freed.
 inline constexpr std::uint32_t credit_batch = row_capacity / 4;
+/// A limit switch that has been released for so many ticks is pressed anew when it closes; before,
+/// it bounces.
+inline constexpr std::uint8_t limit_release_ticks = 20;
+/// A step later than this may not have been followed by its motor: 20 us, four intervals at
+/// 200,000 steps/s.
+inline constexpr std::uint32_t late_step_ticks = step_timer_hz / 50'000;
 /// The tick comes each millisecond; later than this and a deadline was missed.
 inline constexpr std::uint64_t tick_limit_us = 20'000;
 

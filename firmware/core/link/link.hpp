@@ -40,10 +40,15 @@ class Link {
   void accept(std::uint16_t sequence, std::uint8_t request) {
     reply(sequence, protocol::Done{request});
   }
+  /// Whether something of that kind may be said unasked now.
+  template <class M>
+  bool has_room() const {
+    return board_->link_room() >= protocol::wire_frame_size<M> + reply_reserve_bytes;
+  }
   /// Says something unasked; false if it does not fit now.
   template <class M>
   bool tell(const M& message) {
-    if (board_->link_room() < protocol::wire_frame_size<M> + reply_reserve_bytes) return false;
+    if (!has_room<M>()) return false;
     if (!write(own_sequence_, message)) return false;
     ++own_sequence_;
     return true;

@@ -135,9 +135,23 @@ void Motion::advance_homing() {
   homing_axis_ = -1;
 }
 
+void Motion::watch_limits(int axis) {
+  const AxisInputs inputs = board_->switches(axis);
+  LimitWatch& watch = limits_[index(axis)];
+  bool lower = watch.lower.closes(inputs.lower_limit);
+  bool upper = watch.upper.closes(inputs.upper_limit);
+  AxisMotion& motion = axes_[index(axis)];
+  // An axis that is being homed may run into a limit and turn round.
+  if (homing_axis_ == axis) (motion.direction() > 0 ? upper : lower) = false;
+  if (!lower && !upper) return;
+  motion.request_stop();
+  if (fault_.fault == protocol::Fault::none) fault_ = {protocol::Fault::limit, axis};
+}
+
 void Motion::tick() {
   for (int axis = 0; axis < axis_count; ++axis) {
     AxisMotion& motion = axes_[index(axis)];
+    watch_limits(axis);
     motion.service();
     if ((active_mask_ & bit(axis)) == 0) continue;
     if (!motion.moving()) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "firmware/core/config/axis_settings.hpp"
+#include "firmware/core/config/design_parameters.hpp"
 #include "firmware/core/motion/axis_motion.hpp"
 #include "firmware/core/motion/homing.hpp"
 #include "firmware/core/port.hpp"
@@ -17,6 +18,28 @@ using AxisTargets = std::array<std::int32_t, axis_count>;  ///< microdegrees, or
 struct MotionFault {
   protocol::Fault fault = protocol::Fault::none;
   int axis = -1;
+};
+
+/// Tells a switch that closes from one that bounces or was closed before.
+class SwitchWatch {
+ public:
+  /// Once a tick.
+  bool closes(bool pressed) {
+    const bool anew = pressed && released_ticks_ >= limit_release_ticks;
+    if (pressed) {
+      released_ticks_ = 0;
+    } else if (released_ticks_ < limit_release_ticks) {
+      ++released_ticks_;
+    }
+    return anew;
+  }
+
+ private:
+  std::uint8_t released_ticks_ = 0;
+};
+
+struct LimitWatch {
+  SwitchWatch lower, upper;
 };
 
 class Motion {
@@ -42,7 +65,8 @@ class Motion {
   void forget_position(int axis) { homed_mask_ &= static_cast<std::uint8_t>(~(1u << axis)); }
 
   std::uint32_t on_step_timer(int axis) { return axes_[index(axis)].on_step_timer(); }
-  /// Once a millisecond.
+  /// Once a millisecond. A limit switch that closes is a fault whatever the axis does; one that it
+  /// stood on before is not: the axis may leave it.
   void tick();
 
   /// True while an axis moves, a take-up is due or homing goes on.
@@ -64,6 +88,7 @@ class Motion {
   std::int32_t target_steps(int axis, std::int32_t target_udeg) const;
   void start(int axis, std::int32_t steps);
   void follow_up(int axis);
+  void watch_limits(int axis);
   void advance_homing();
 
   AxisTable settings_;
@@ -75,6 +100,7 @@ class Motion {
   std::uint8_t homing_mask_ = 0;
   int homing_axis_ = -1;
   Homing homing_{};
+  std::array<LimitWatch, axis_count> limits_{};
   Board* board_;
   bool moved_ = false;
   MotionFault fault_{};

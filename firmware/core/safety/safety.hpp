@@ -10,7 +10,7 @@
 
 namespace umov::firmware {
 
-inline constexpr int fault_count = 12;
+inline constexpr int fault_count = static_cast<int>(protocol::Fault::over_temperature) + 1;
 
 /// Book of faults. What the safe state is, the controller knows.
 /// Contexts: raise_from_interrupt() anywhere, everything else in the main loop.
@@ -25,6 +25,12 @@ class Safety {
   void raise_from_interrupt(protocol::Fault fault, std::int32_t detail);
   /// Takes one fault noted in an interrupt; false when there is none.
   bool take_pending(protocol::Fault& fault, std::int32_t& detail);
+  /// Whether a fault noted in an interrupt waits to be taken.
+  bool pending() const { return pending_.load(std::memory_order_acquire) != 0; }
+  /// Forgets one noted in an interrupt: it was the consequence of another.
+  void drop_pending(protocol::Fault fault) {
+    pending_.fetch_and(~(1u << static_cast<unsigned>(fault)), std::memory_order_acq_rel);
+  }
 
   bool latched() const { return order_count_ > 0; }
   bool latched(protocol::Fault fault) const;

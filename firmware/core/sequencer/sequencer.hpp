@@ -24,6 +24,7 @@ class Sequencer {
       : board_(&board), motion_(&motion), outputs_(&outputs) {}
 
   void configure(const protocol::SetLockin& settings);
+  const protocol::SetLockin& settings() const { return settings_; }
 
   /// Forgets the program, rows and records held and begins this one.
   void begin(const protocol::ProgramBegin& program);

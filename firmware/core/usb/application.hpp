@@ -64,8 +64,10 @@ class Application {
   /// A hand controller wants something; refuse it silently where it is not allowed.
   virtual void on_hand_report(const HandReport& report) = 0;
   virtual HandState hand_state(std::uint8_t axis) const = 0;
-  /// The host wants to update the firmware (DFU detach): restart in the bootloader when that is
-  /// safe. Called after the request has been answered.
+  /// Whether a host may end the program now to update it (DFU detach): there is a boot loader, and
+  /// nothing moves or is measured.
+  virtual bool detach_allowed() const = 0;
+  /// Restart in the boot loader. Called after the request has been answered.
   virtual void on_detach() = 0;
 
  protected:

@@ -4,8 +4,12 @@
 
 namespace umov::firmware::usb {
 
-Device::Device(Port& port, Application& application, const std::array<char, 24>& serial)
-    : port_(&port), application_(&application), control_(port, *this), links_(port, application) {
+Device::Device(Port& port, Application& application, const std::array<char, 24>& serial,
+               SerialLine* line)
+    : port_(&port),
+      application_(&application),
+      control_(port, *this),
+      links_(port, application, line) {
   const auto length =
       static_cast<std::size_t>(std::find(serial.begin(), serial.end(), '\0') - serial.begin());
   serial_string_[0] = low_byte(2 + 2 * length);

@@ -18,16 +18,22 @@ namespace umov::firmware::usb {
 class Device final : public PortEvents, private ControlHandler {
  public:
   /// `serial`: ASCII, up to 24 characters, padded with zeros.
-  Device(Port& port, Application& application, const std::array<char, 24>& serial);
+  /// `line`: a serial line of the board that carries the protocol as well; may be null.
+  Device(Port& port, Application& application, const std::array<char, 24>& serial,
+         SerialLine* line = nullptr);
 
   /// Shows the device to the host.
   void start() { port_->connect(); }
   /// Each millisecond, with the time from anywhere, microseconds.
   void tick(std::uint64_t now_us);
 
+  /// Whether a host has the link.
+  bool has_host() const { return links_.owned(); }
   /// For Board::link_room and Board::write_link.
   std::size_t link_room() const { return links_.room(); }
   bool write_link(std::span<const std::uint8_t> frame) { return links_.write(frame); }
+  /// Bytes that came over the serial line.
+  void take_serial(std::span<const std::uint8_t> bytes) { links_.take_serial(bytes); }
 
   bool configured() const { return configuration_ != 0; }
 

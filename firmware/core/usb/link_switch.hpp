@@ -1,6 +1,6 @@
-// Which of the two pipes the protocol runs on. One host at a time owns the link: the first whose
-// `hello` arrives, until it has been silent for a while or says that it leaves. A `hello` on the
-// other pipe is meanwhile answered with `busy` and the owner's name.
+// Which of the pipes the protocol runs on: bulk, reports, or the board's serial line. One host at a
+// time owns the link: the first whose `hello` arrives, until it has been silent for a while or says
+// that it leaves. A `hello` on another pipe is meanwhile answered with `busy` and the owner's name.
 #pragma once
 
 #include <array>
@@ -20,10 +20,26 @@ inline constexpr std::uint64_t owner_silence_us = 1'500'000;
 
 enum class PipeKind : std::uint8_t { bulk, reports };
 
+/// A line beside USB that carries the same protocol, for boards that have one.
+class SerialLine {
+ public:
+  virtual std::size_t room() const = 0;
+  /// Queues all of it; false if it does not fit now.
+  virtual bool write(std::span<const std::uint8_t> bytes) = 0;
+
+ protected:
+  SerialLine() = default;
+  SerialLine(const SerialLine&) = default;
+  SerialLine& operator=(const SerialLine&) = default;
+  ~SerialLine() = default;
+};
+
 class LinkSwitch {
  public:
-  LinkSwitch(Port& port, Application& application)
+  /// `serial` may be null.
+  LinkSwitch(Port& port, Application& application, SerialLine* serial = nullptr)
       : application_(&application),
+        serial_(serial),
         pipes_{LinkPipe(port, bulk_endpoints), LinkPipe(port, report_endpoints)} {}
 
   void start();
@@ -35,10 +51,14 @@ class LinkSwitch {
     send();
   }
 
-  /// Bytes that can be written now. While nobody owns the link they are taken and dropped, like
-  /// those on a cable that is not plugged in.
-  std::size_t room() const { return ring_.room(); }
+  /// Whether a host owns the link.
+  bool owned() const { return owner_ != Owner::nobody; }
+  /// Bytes that can be written now; none while nobody owns the link.
+  std::size_t room() const;
+  /// False if the frame does not fit now or nobody is there to read it.
   bool write(std::span<const std::uint8_t> frame);
+  /// Bytes that came over the serial line.
+  void take_serial(std::span<const std::uint8_t> bytes);
 
   /// False when the endpoint is none of these pipes.
   bool on_sent(EndpointAddress address);
@@ -46,23 +66,37 @@ class LinkSwitch {
   void on_halt(EndpointAddress address);
   bool on_halt_cleared(EndpointAddress address);
   /// A packet for the report pipe that came through the control endpoint (SET_REPORT).
-  void take_report(std::span<const std::uint8_t> bytes) { take(pipes_[1], bytes); }
+  void take_report(std::span<const std::uint8_t> bytes) { take(PipeKind::reports, bytes); }
   /// The host's program on a pipe has opened it or leaves it.
   void on_user(PipeKind kind, bool present);
 
  private:
-  void send() {
-    if (owner_ != nullptr) owner_->send_from(ring_);
+  /// The first two in the order of PipeKind.
+  enum class Owner : std::uint8_t { bulk, reports, serial, nobody };
+  static constexpr Owner owner_of(PipeKind kind) { return static_cast<Owner>(kind); }
+
+  LinkPipe* owning_pipe() {
+    return owner_ < Owner::serial ? &pipes_[static_cast<std::size_t>(owner_)] : nullptr;
   }
-  void take(LinkPipe& pipe, std::span<const std::uint8_t> bytes);
-  /// True when the pipe owns the link after this frame.
-  bool admit(LinkPipe& pipe, const protocol::FrameView& frame);
+  void send() {
+    if (LinkPipe* pipe = owning_pipe()) pipe->send_from(ring_);
+  }
+  void take(PipeKind kind, std::span<const std::uint8_t> bytes);
+  void take(Owner from, protocol::FrameReader& reader, std::span<const std::uint8_t> bytes);
+  /// True when `from` owns the link after this frame.
+  bool admit(Owner from, const protocol::FrameView& frame);
+  /// To a host that does not own the link.
+  template <class M>
+  void answer(Owner from, std::uint16_t sequence, const M& message);
   void release();
+  void release_usb();
 
   Application* application_;
+  SerialLine* serial_;
   std::array<LinkPipe, 2> pipes_;
+  protocol::FrameReader serial_reader_{};
   TransmitRing ring_{};
-  LinkPipe* owner_ = nullptr;
+  Owner owner_ = Owner::nobody;
   protocol::Name owner_name_{};
   std::uint64_t heard_us_ = 0;
   std::uint64_t now_us_ = 0;

@@ -262,7 +262,7 @@ ControlAnswer Device::on_class(const Request& request) {
   if (request.index == interface::dfu) {
     switch (request.number) {
       case dfu::detach:
-        if (!proper(request, false)) break;
+        if (!proper(request, false) || !application_->detach_allowed()) break;
         detaching_ = true;
         return ControlAnswer::accept();
       case dfu::get_status:

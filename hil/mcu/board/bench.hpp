@@ -32,6 +32,9 @@ class Bench {
   /// Amplifier range 0..3 = gain 1, 10, 100, 1000.
   virtual void set_gain(int range, double time_s) = 0;
   virtual bool interlock_closed() const = 0;
+  /// Emergency button out; thermostats of drivers and lasers.
+  virtual bool emergency_released() const { return true; }
+  virtual bool overheated() const { return false; }
   /// Sample `number` of a stream that began at `start_time_s` with `sample_rate_hz`; `light`: level
   /// of the modulation output at that instant.
   virtual CodePair sample(double start_time_s, double sample_rate_hz, std::uint64_t number,

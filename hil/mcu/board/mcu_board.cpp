@@ -99,7 +99,8 @@ struct McuBoard::Impl final : Surroundings {
     for (std::size_t i = 0; i < wiring::gain_pins.size(); ++i)
       use(wiring::gain_pins[i]) = {Role::gain, static_cast<int>(i)};
     use(wiring::shutter_pin) = {Role::shutter, 0};
-    chip.flash(read_elf(options.image));
+    if (!options.image.empty()) chip.flash(read_elf(options.image));
+    if (!options.boot_loader.empty()) chip.flash(read_elf(options.boot_loader));
     look_at_inputs();
     chip.reset(ResetSource::power_on);
   }
@@ -115,7 +116,11 @@ struct McuBoard::Impl final : Surroundings {
       case Role::none:
         return;
       case Role::step:
-        if (level) step(u.index, now);
+        if (level) {
+          step(u.index, now);
+        } else if (options.on_step_end) {
+          options.on_step_end(u.index, now);
+        }
         return;
       case Role::laser:
         return bench->set_laser(u.index, level, seconds(now));
@@ -178,12 +183,17 @@ struct McuBoard::Impl final : Surroundings {
   }
   void look_at_inputs() {
     for (int axis = 0; axis < axis_count; ++axis) show_switches(axis);
-    drive(wiring::interlock_pin, bench->interlock_closed() ? std::optional(true) : std::nullopt);
+    const auto loop = [this](Pin pin, bool closed) {
+      drive(pin, closed ? std::optional(true) : std::nullopt);
+    };
+    loop(wiring::interlock_pin, bench->interlock_closed());
+    loop(wiring::emergency_pin, bench->emergency_released());
+    loop(wiring::cool_pin, !bench->overheated());
   }
   void drive(Pin pin, std::optional<bool> level) { chip.drive_pin(port(pin), number(pin), level); }
 
   void run_until(Time limit) {
-    while (chip.now() < limit) {
+    while (chip.now() < limit && !chip.halted()) {
       look_at_inputs();
       chip.run_until(std::min(limit, chip.now() + look_interval));
       if (until_output && !output.empty()) return;
@@ -237,10 +247,18 @@ std::uint64_t McuBoard::now_us() const {
   return impl_->chip.now() / time_per_us;
 }
 
+void McuBoard::look_at_inputs() {
+  impl_->look_at_inputs();
+}
+
+void McuBoard::set_stall(int axis, bool high) {
+  impl_->drive(pins_of(axis).stall, high ? std::optional(true) : std::nullopt);
+}
+
 void McuBoard::signal_stall(int axis) {
-  impl_->drive(pins_of(axis).stall, true);
+  set_stall(axis, true);
   run_for(10);
-  impl_->drive(pins_of(axis).stall, std::nullopt);
+  set_stall(axis, false);
 }
 
 void McuBoard::reset(ResetSource source) {
@@ -249,6 +267,11 @@ void McuBoard::reset(ResetSource source) {
 
 usbip::UsbFunction& McuBoard::usb() {
   return impl_->usb;
+}
+
+bool McuBoard::usb_connected() {
+  const OtgFs* usb = impl_->chip.usb();
+  return usb != nullptr && usb->connected();
 }
 
 Stm32f407& McuBoard::chip() {

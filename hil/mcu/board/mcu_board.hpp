@@ -17,11 +17,15 @@ namespace umov::mcu {
 
 /// Choices at the start of an emulated board.
 struct McuBoardOptions {
-  /// The image, umov-stm32f407.elf.
+  /// The image, umov-stm32f407.elf; empty: none, a board as it leaves the factory.
   std::string image;
+  /// The boot loader, umov-stm32f407-boot.elf; empty: the chip goes straight to the image.
+  std::string boot_loader{};
   ChipOptions chip{};
   /// Called at every rising edge of a step pin with the axis and the moment; may be empty.
   std::function<void(int axis, Time moment)> on_step{};
+  /// Called when the pulse ends; may be empty.
+  std::function<void(int axis, Time moment)> on_step_end{};
 };
 
 /// The same verbs as boards::native::NativeBoard. Deterministic. Not thread-safe. Every call that
@@ -43,6 +47,10 @@ class McuBoard {
   bool run_until_output(std::uint64_t max_duration_us);
   std::uint64_t now_us() const;
 
+  /// What the bench does not announce is looked at each millisecond, and now.
+  void look_at_inputs();
+  /// The stall output of an axis' driver is at this level.
+  void set_stall(int axis, bool high);
   /// The stall output of an axis' driver rises, and falls again.
   void signal_stall(int axis);
   /// The supply fails and comes back, or the reset pin is pulled.
@@ -50,6 +58,8 @@ class McuBoard {
 
   /// The USB connector, for a virtual cable.
   usbip::UsbFunction& usb();
+  /// Whether the program shows itself to a USB host (pull-up on D+).
+  bool usb_connected();
 
   Stm32f407& chip();
   const Stm32f407& chip() const;

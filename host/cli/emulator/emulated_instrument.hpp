@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -71,7 +72,9 @@ struct ServeOptions {
   std::uint16_t port = 5025;  ///< 0 = any free one
   std::string address = "127.0.0.1";
   bool real_time = false;  ///< virtual time follows the wall clock instead of running ahead
+  std::optional<std::uint16_t> gdb_port{};  ///< of an emulated chip: a debugger's; 0 = any free one
   std::function<void(std::uint16_t port)> on_listening;    ///< may be empty
+  std::function<void(std::uint16_t port)> on_gdb;          ///< a debugger can come; may be empty
   std::function<void(const std::string& event)> on_event;  ///< may be empty
 };
 
@@ -82,6 +85,8 @@ struct UsbOptions {
   std::uint16_t port = 3240;  ///< of the USB/IP server; 0 = any free one
   std::string address = "127.0.0.1";
   bool real_time = false;                                  ///< as in ServeOptions
+  std::optional<std::uint16_t> gdb_port{};                 ///< as in ServeOptions
+  std::function<void(std::uint16_t port)> on_gdb;          ///< as in ServeOptions
   std::function<void(std::uint16_t port)> on_ready;        ///< port 0: plugged in; may be empty
   std::function<void(const std::string& event)> on_event;  ///< may be empty
 };

@@ -36,6 +36,8 @@ void UsbInstrument::pump() {
   // What does not fit the stack's ring waits in the board's buffer, and then in the core: as on
   // hardware.
   if (output_.empty()) instrument_.board().take_output(output_);
+  // Said to a host that has gone meanwhile.
+  if (!device_.has_host()) written_ = output_.size();
   while (written_ < output_.size()) {
     const std::size_t size = std::min(output_.size() - written_, device_.link_room());
     if (size == 0) return;

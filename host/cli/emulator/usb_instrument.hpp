@@ -34,6 +34,8 @@ class UsbInstrument final : private firmware::usb::Application {
   void on_link_bytes(std::span<const std::uint8_t> bytes) override;
   void on_hand_report(const firmware::usb::HandReport& report) override;
   firmware::usb::HandState hand_state(std::uint8_t axis) const override;
+  /// A process has no boot loader.
+  bool detach_allowed() const override { return false; }
   void on_detach() override;
   void pump();
 

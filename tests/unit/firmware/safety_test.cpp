@@ -284,6 +284,10 @@ class IdleBoard final : public fw::Board {
   void set_shutter(bool) override {}
   void set_gain(int) override {}
   bool interlock_closed() const override { return true; }
+  bool emergency_released() const override { return true; }
+  bool overheated() const override { return false; }
+  bool supply_low() const override { return false; }
+  bool stalled(int) const override { return false; }
   void start_sampling(std::uint32_t) override {}
   void stop_sampling() override {}
   void mask_interrupts() override {}

@@ -40,11 +40,22 @@ TEST(DeviceNames, ControllersOnUsbAreNamedByTheirSerialNumberOrNotAtAll) {
   EXPECT_THAT(failure_of("usb:"), HasSubstr("serial number is missing"));
 }
 
-TEST(DeviceNames, KnownDevicesThatAreNotInThisBuildAreToldFromUnknownOnes) {
-  EXPECT_THAT(failure_of("serial:/dev/ttyACM0"),
-              HasSubstr("not available in this build (available are: emulator, usb[:SERIAL]"));
+TEST(DeviceNames, ASerialLineIsAPathAndPerhapsASpeed) {
+  const DeviceName line = parse_device_name("serial:/dev/ttyACM0");
+  EXPECT_EQ(line.kind, DeviceKind::serial);
+  EXPECT_EQ(line.path, "/dev/ttyACM0");
+  EXPECT_EQ(line.baud, 1'000'000u);
+  EXPECT_EQ(parse_device_name("serial:/dev/ttyUSB1?baud=115200").baud, 115'200u);
+  EXPECT_THAT(failure_of("serial"), HasSubstr("the path is missing"));
+  EXPECT_THAT(failure_of("serial:?baud=9600"), HasSubstr("the path is missing"));
+  EXPECT_THAT(failure_of("serial:/dev/x?baud=fast"), HasSubstr("'fast' is no speed"));
+  EXPECT_THAT(failure_of("serial:/dev/x?parity=odd"), HasSubstr("no option 'parity=odd'"));
+}
+
+TEST(DeviceNames, UnknownOnesAreToldWhatThereIs) {
   EXPECT_THAT(failure_of("usbx"), HasSubstr("unknown device 'usbx'"));
-  EXPECT_THAT(failure_of(""), HasSubstr("unknown device ''"));
+  EXPECT_THAT(failure_of(""),
+              HasSubstr("unknown device '' (available are: emulator, usb[:SERIAL]"));
 }
 
 TEST(DeviceNames, ABadAddressSaysWhatIsWrongWithIt) {
@@ -58,7 +69,7 @@ TEST(DeviceNames, ABadAddressSaysWhatIsWrongWithIt) {
 }
 
 TEST(Refusals, EveryFaultHasAMeaningAndARemedyOfItsOwn) {
-  for (int fault = 1; fault <= static_cast<int>(protocol::Fault::internal); ++fault) {
+  for (int fault = 1; fault <= static_cast<int>(protocol::Fault::over_temperature); ++fault) {
     const auto code = static_cast<std::uint8_t>(fault);
     EXPECT_THAT(fault_remedy(code), ::testing::Not(::testing::IsEmpty()));
     for (int other = 0; other < fault; ++other) {

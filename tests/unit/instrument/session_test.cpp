@@ -41,6 +41,7 @@ TEST(Session, TheHandshakeFlushesWhatACrashedHostLeftInThePipe) {
   other.version = 99;
   leave(6, other);
   leave(7, protocol::Status{});
+  leave(8, protocol::Busy{testing::make_name("whoever asked last")});
   // And half a frame on its way to the device.
   cable.device.receive(testing::Bytes{0x30, 0x01, 0x02});
 

@@ -70,6 +70,20 @@ TEST(Tcp, ASessionRunsOverAPort) {
   EXPECT_LT(session.clock().fastest_us(), 50'000);
 }
 
+TEST(Tcp, AClientThatCameAndWentUnseenKeepsNobodyOut) {
+  TcpServer server(0);
+  connect_tcp("127.0.0.1", server.port()).reset();
+  const auto second = connect_tcp("127.0.0.1", server.port());
+  server.wait(1s);
+  ASSERT_TRUE(server.has_client());
+  EXPECT_EQ(server.client_number(), 2u);
+  const std::array<std::uint8_t, 3> bytes = {1, 2, 3};
+  second->write(bytes);
+  server.wait(1s);
+  std::array<std::uint8_t, 16> buffer{};
+  EXPECT_EQ(server.read(buffer), 3u);
+}
+
 TEST(Tcp, AProgramSurvivesAClientThatComesAndGoes) {
   ServedDevice device;
   class Sink final : public RecordSink {

@@ -19,7 +19,7 @@ struct NoisyStages {
   };
   Switches switches(int axis) const {
     const std::int32_t at = position[static_cast<std::size_t>(axis)];
-    return {at < 0, at <= lower, at >= upper};
+    return {at < 0, at <= lower, at >= upper || axis == upper_closed};
   }
   mcu::CodePair codes_of(std::uint64_t number, bool light) {
     if (number == 0) ++streams;
@@ -39,7 +39,10 @@ struct NoisyStages {
   std::int32_t lower = -2'000'000, upper = 2'000'000;
   std::array<bool, 3> lasers{};
   bool shutter = false;
-  bool interlock = true;
+  bool interlock = true, button_out = true, hot = false, supply_low = false;
+  int upper_closed = -1;  ///< axis whose upper limit switch somebody holds closed
+  int stalled = -1;       ///< axis whose driver reports lost steps
+  bool dark() const { return !shutter && !lasers[0] && !lasers[1] && !lasers[2]; }
   int gain = 0;
   std::uint64_t streams = 0;
 };
@@ -54,12 +57,20 @@ class NoisyWorld final : public boards::native::World {
     const auto s = stages.switches(axis);
     return {s.home, s.lower_limit, s.upper_limit};
   }
-  void set_laser(int laser, bool on, double) override {
+  void set_laser(int laser, bool on, double time_s) override {
     stages.lasers[static_cast<std::size_t>(laser)] = on;
+    if (!on) went_dark_s = time_s;
   }
-  void set_shutter(bool open, double) override { stages.shutter = open; }
+  void set_shutter(bool open, double time_s) override {
+    stages.shutter = open;
+    if (!open) went_dark_s = time_s;
+  }
   void set_gain(int range, double) override { stages.gain = range; }
   bool interlock_closed() const override { return stages.interlock; }
+  bool emergency_released() const override { return stages.button_out; }
+  bool overheated() const override { return stages.hot; }
+  bool supply_low() const override { return stages.supply_low; }
+  bool stalled(int axis) const override { return axis == stages.stalled; }
   void set_reference(std::uint32_t phase_step) override { step_per_sample_ = phase_step; }
   void sample(double, double, std::uint64_t first, std::span<std::uint16_t> signal,
               std::span<std::uint16_t> monitor) override {
@@ -71,6 +82,7 @@ class NoisyWorld final : public boards::native::World {
     }
   }
   NoisyStages stages;
+  double went_dark_s = 0;  ///< the last time something was switched off
 
  private:
   std::uint32_t step_per_sample_ = 0;
@@ -96,12 +108,12 @@ class NoisyBench final : public mcu::Bench {
   }
   void set_gain(int range, double) override { stages.gain = range; }
   bool interlock_closed() const override { return stages.interlock; }
+  bool emergency_released() const override { return stages.button_out; }
+  bool overheated() const override { return stages.hot; }
   mcu::CodePair sample(double, double, std::uint64_t number, bool light) override {
     return stages.codes_of(number, light);
   }
-  bool dark() const {
-    return !stages.shutter && !stages.lasers[0] && !stages.lasers[1] && !stages.lasers[2];
-  }
+  bool dark() const { return stages.dark(); }
   NoisyStages stages;
   double went_dark_s = 0;  ///< the last time something was switched off
 };

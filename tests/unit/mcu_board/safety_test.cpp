@@ -17,7 +17,7 @@ using protocol::Fault;
 using protocol::State;
 
 constexpr std::uint32_t log_offset = 0x1'0000, log_bytes = 64 * 1024, entry_bytes = 24;
-constexpr std::uint32_t vectors_offset = 0x2'0000;
+constexpr std::uint32_t vectors_offset = 0x2'0200;  // behind the image's header
 
 class SafetyOfTheBoard : public testing::Test {
  protected:
@@ -76,6 +76,72 @@ TEST_F(SafetyOfTheBoard, AStallGoesDarkWithin500Instructions) {
   EXPECT_EQ(status().homed_mask, 63 & ~(1 << 2)) << "where the axis is, nobody knows";
   EXPECT_EQ(log_entry(0).fault, static_cast<std::uint8_t>(Fault::stall));
   EXPECT_EQ(log_entry(0).detail, 2);
+}
+
+TEST_F(SafetyOfTheBoard, ABreakOfTheInterlockShorterThanATickIsLatched) {
+  measure();
+  bench_.stages.interlock = false;
+  board_.look_at_inputs();
+  board_.run_for(20);
+  bench_.stages.interlock = true;
+  board_.look_at_inputs();
+  listen(50);
+  EXPECT_EQ(fault(), Fault::interlock);
+  EXPECT_TRUE(bench_.dark());
+}
+
+TEST_F(SafetyOfTheBoard, AStallLineThatIsHighFromTheStartIsAFaultThatCannotBeCleared) {
+  board_.set_stall(4, true);
+  board_.reset(mcu::ResetSource::power_on);
+  board_.run_for(5'000);
+  open_session();
+  EXPECT_EQ(fault(), Fault::stall);
+  EXPECT_EQ(log_entry(0).detail, 4);
+  const protocol::ClearFault clear{.fault = static_cast<std::uint8_t>(Fault::stall)};
+  EXPECT_THROW(session_->request(clear), Error);
+  board_.set_stall(4, false);
+  session_->request(clear);
+  EXPECT_EQ(fault(), Fault::none);
+}
+
+TEST_F(SafetyOfTheBoard, SamplesThatWereOverwrittenBeforeTheyWereReadAreAFault) {
+  for (const std::uint64_t late_us : {5'100u, 6'400u, 7'600u, 10'000u}) {
+    SCOPED_TRACE(late_us);
+    measure();
+    board_.run_for(1'000);
+    board_.chip().stand_still(late_us * mcu::time_per_us);
+    board_.run_for(late_us + 1'000);
+    EXPECT_TRUE(bench_.dark());
+    EXPECT_EQ(fault(), Fault::adc_overrun);
+    session_->request(protocol::ClearFault{.fault = static_cast<std::uint8_t>(Fault::adc_overrun)});
+    session_->request(protocol::ProgramControl{.action = 2});
+  }
+}
+
+TEST_F(SafetyOfTheBoard, AProcessorFaultIsLoggedWithItsPlace) {
+  measure();
+  const std::uint32_t boot = session_->device().boot_id;
+  // SysTick's vector gets the address of the hard fault's: the next tick is a fault.
+  const std::uint32_t place = vectors_offset + 4 * 15, hard_fault = vectors_offset + 4 * 3;
+  const std::vector<std::uint8_t> vector(flash().begin() + place, flash().begin() + place + 4);
+  std::copy_n(flash().begin() + hard_fault, 4, flash().begin() + place);
+  for (int i = 0; i < 2'000 && board_.chip().software_resets() == 0; ++i) board_.run_for(1);
+  ASSERT_EQ(board_.chip().software_resets(), 1u);
+  EXPECT_TRUE(bench_.dark());
+  std::copy(vector.begin(), vector.end(), flash().begin() + place);
+  board_.run_for(5'000);
+  open_session();
+  EXPECT_EQ(fault(), Fault::internal);
+  EXPECT_EQ(session_->device().boot_id, boot + 1);
+  const auto entry = log_entry(0);
+  EXPECT_EQ(entry.fault, static_cast<std::uint8_t>(Fault::internal));
+  EXPECT_GE(entry.detail, 0x0802'0000) << "an address in the image";
+  EXPECT_LT(entry.detail, 0x0803'8000);
+  // A reset that nobody noted is none.
+  board_.reset(mcu::ResetSource::software);
+  board_.run_for(5'000);
+  open_session();
+  EXPECT_EQ(fault(), Fault::none);
 }
 
 TEST_F(SafetyOfTheBoard, AnOpenInterlockIsNoticedWithinTwoMilliseconds) {
@@ -196,6 +262,16 @@ TEST_F(SafetyOfTheBoard, AFullLogIsEmptiedAtAStartAndKeepsTheNewest) {
           i < 20 ? bytes[i] : static_cast<std::uint8_t>(crc >> 8 * (i - 20));
     }
   }
+  const auto full = flash();
+  board_.reset(mcu::ResetSource::power_on);
+  for (int i = 0; i < 100'000 && flash()[log_offset + 4] != 0xFF; ++i) board_.run_for(1);
+  ASSERT_EQ(flash()[log_offset + 4], 0xFF) << "erased";
+  board_.reset(mcu::ResetSource::power_on);
+  board_.run_for(50'000);
+  open_session();
+  EXPECT_EQ(session_->device().boot_id, 9u) << "the power failed between erasing and writing";
+
+  flash() = full;
   board_.reset(mcu::ResetSource::power_on);
   board_.run_for(700'000);
   open_session();

@@ -100,10 +100,22 @@ class StepEdges : public testing::Test {
 
   test::NoisyBench bench_;
   std::map<int, std::vector<mcu::Time>> edges_;
+  std::map<int, mcu::Time> ended_;
+  mcu::Time shortest_high_ = mcu::never, shortest_low_ = mcu::never;
   mcu::McuBoard board_{bench_,
-                       {.image = UMOV_STM32F407_ELF, .on_step = [this](int axis, mcu::Time moment) {
-                          edges_[axis].push_back(moment);
-                        }}};
+                       {.image = UMOV_STM32F407_ELF,
+                        .on_step =
+                            [this](int axis, mcu::Time moment) {
+                              edges_[axis].push_back(moment);
+                              shortest_low_ = std::min(shortest_low_, moment - ended_[axis]);
+                            },
+                        .on_step_end =
+                            [this](int axis, mcu::Time moment) {
+                              ended_[axis] = moment;
+                              if (edges_[axis].empty()) return;  // the pin becomes an output
+                              shortest_high_ =
+                                  std::min(shortest_high_, moment - edges_[axis].back());
+                            }}};
   std::unique_ptr<instrument::Session> session_;
   std::map<int, firmware::MotionLimits> limits_;
   std::uint32_t program_ = 100;
@@ -152,6 +164,8 @@ TEST_F(StepEdges, SixAxesAtFullSpeedLoseNoStepAndStayWithinEightMicroseconds) {
   double worst = 0;
   for (const auto& [axis, angle] : targets) worst = std::max(worst, worst_edge_ticks(axis, angle));
   EXPECT_LE(worst, 32.0);
+  EXPECT_GE(mcu::seconds(shortest_high_), 2e-6);
+  EXPECT_GE(mcu::seconds(shortest_low_), 1e-6) << "late edges, too";
   for (const auto& [axis, angle] : targets) {
     const auto& s = firmware::default_axes[static_cast<std::size_t>(axis)];
     EXPECT_EQ(bench_.stages.position[static_cast<std::size_t>(axis)],

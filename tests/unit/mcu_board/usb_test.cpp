@@ -7,6 +7,7 @@
 #include "hil/mcu/board/mcu_board.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/schema.hpp"
+#include "tests/unit/failure.hpp"
 #include "tests/unit/mcu_board/noisy_stages.hpp"
 #include "tests/unit/mcu_board/scan_run.hpp"
 #include "tests/unit/mcu_board/usb_cable.hpp"
@@ -112,6 +113,39 @@ TEST_F(UsbOfTheBoard, AScanOverBulkGivesTheRecordsOfTheNativeBoard) {
     ASSERT_TRUE(protocol::encode(a, one).ok() && protocol::encode(b, other).ok());
     EXPECT_EQ(one, other) << i;
   }
+}
+
+TEST(UsbOfABootableBoard, AStatusStageIsNotLostToARequestThatFollowsAtOnce) {
+  test::NoisyBench bench;
+  mcu::McuBoard board(bench, {.image = UMOV_STM32F407_ELF, .boot_loader = UMOV_STM32F407_BOOT_ELF});
+  for (int i = 0; i < 100 && !board.usb_connected(); ++i) board.run_for(10'000);
+  test::UsbCable cable(board);
+  ASSERT_TRUE(cable.plug_in());
+  const unsigned before = board.chip().software_resets();
+  const std::array<std::uint8_t, 8> detach = {0x21, 0, 0xE8, 3, fu::interface::dfu, 0, 0, 0};
+  const std::array<std::uint8_t, 8> get_status = {0x80, 0, 0, 0, 0, 0, 2, 0};
+  auto& usb = board.usb();
+  ASSERT_EQ(usb.setup(detach), usbip::Handshake::ack);
+  board.run_for(500);
+  usbip::Packet packet;
+  ASSERT_EQ(usb.in(0, packet), usbip::Handshake::ack) << "the status stage";
+  ASSERT_EQ(usb.setup(get_status), usbip::Handshake::ack) << "before the program has looked";
+  board.run_for(20'000);
+  EXPECT_EQ(board.chip().software_resets(), before + 1) << "it went to its boot loader";
+}
+
+TEST_F(UsbOfTheBoard, AHostOnTheSerialLineIsNotPushedAsideByOneOnUsb) {
+  instrument::Session session(test::connect(board_), {.host_name = "on the line"});
+  test::home_all(session);
+  const auto all = rows(4);
+  test::Records records;
+  instrument::ProgramStream stream(
+      {.program_id = 3, .row_count = 4}, [&](std::uint32_t i) { return all[i]; }, records);
+  stream.run(session, [](const instrument::ProgramStream& s) { return s.next_index() < 2; });
+  const std::string refused = failure_of([&] { instrument::Session second(bulk()); });
+  EXPECT_NE(refused.find("in use by host 'on the line'"), std::string::npos) << refused;
+  stream.run(session);
+  EXPECT_EQ(records.all.size(), 4u);
 }
 
 TEST_F(UsbOfTheBoard, PulledAndPluggedInDuringAScanLosesNoRecordAndRepeatsNone) {

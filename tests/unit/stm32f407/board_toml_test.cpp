@@ -76,9 +76,9 @@ TEST(BoardToml, APinTakenTwiceIsRefused) {
 TEST(BoardToml, PinsThatCannotDoWhatTheyAreNamedForAreRefused) {
   EXPECT_THAT(refusal("shutter = \"PC11\"", "shutter = \"PF1\""),
               testing::HasSubstr("no pin of the package"));
-  EXPECT_THAT(refusal("step = \"PA15\"", "step = \"PC13\""),
+  EXPECT_THAT(refusal("step = \"PA5\"", "step = \"PC14\""),
               testing::HasSubstr("no output of TIM2 or TIM5"));
-  EXPECT_THAT(refusal("signal = \"PC1\"", "signal = \"PC13\""),
+  EXPECT_THAT(refusal("signal = \"PC1\"", "signal = \"PC14\""),
               testing::HasSubstr("no input of ADC1 and ADC2"));
   EXPECT_THAT(refusal("stall = \"PC5\"", "stall = \"PB5\""), testing::HasSubstr("already"));
   EXPECT_THAT(refusal("stall = \"PC5\"", "stall = \"PC15\""), testing::HasSubstr("EXTI line"));

@@ -84,7 +84,7 @@ class Kernel {
   }
 
  private:
-  Socket socket_;
+  net::Socket socket_;
 };
 
 class UsbCable : public ::testing::Test {
@@ -92,7 +92,7 @@ class UsbCable : public ::testing::Test {
   UsbCable() {
     EXPECT_EQ(socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()), 0);
     kernel.emplace(ends[0]);
-    cable.emplace(Socket(ends[1]), bench.port);
+    cable.emplace(net::Socket(ends[1]), bench.port);
     kernel->submit(1, 0, false, 0, {}, {0x00, 9, 1, 0, 0, 0, 0, 0});
     cable->service();
     EXPECT_EQ(kernel->replies({}).at(0).status, 0);
@@ -183,7 +183,7 @@ TEST_F(UsbCable, nonsense_and_a_closed_socket_end_it) {
   cable->service();
   EXPECT_TRUE(cable->broken());
   EXPECT_EQ(socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()), 0);
-  cable.emplace(Socket(ends[1]), bench.port);
+  cable.emplace(net::Socket(ends[1]), bench.port);
   EXPECT_FALSE(bench.device.configured()) << "plugged in anew";
   cable->service();
   EXPECT_FALSE(cable->broken());
@@ -221,7 +221,7 @@ class Client {
   }
 
  private:
-  Socket socket_;
+  net::Socket socket_;
 };
 
 TEST(UsbServer, lists_its_devices_and_gives_each_to_one_host) {
@@ -255,6 +255,18 @@ TEST(UsbServer, lists_its_devices_and_gives_each_to_one_host) {
   EXPECT_THAT(events, ::testing::ElementsAre("1-1+", "1-1-"));
   Client second(port);
   EXPECT_EQ(wire::u32_at(second.ask(server, wire::request_import, "1-1"), 4), 0u);
+}
+
+TEST(UsbServer, clients_that_never_ask_keep_nobody_out) {
+  UsbBench bench;
+  Server server({export_device("1-1", 2, bench.port)});
+  const std::uint16_t port = server.listen(0);
+  std::vector<std::unique_ptr<Client>> silent;
+  for (int i = 0; i < 40; ++i) {
+    silent.push_back(std::make_unique<Client>(port));
+    server.service();
+  }
+  EXPECT_EQ(Client(port).ask(server, wire::request_list).size(), 8u + 4 + 312 + 4 * 4);
 }
 
 }  // namespace

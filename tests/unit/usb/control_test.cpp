@@ -230,5 +230,14 @@ TEST(UsbControl, detach_is_told_after_the_host_has_its_answer) {
       << "appDETACH";
 }
 
+TEST(UsbControl, detach_is_refused_where_the_program_must_not_end) {
+  UsbBench bench;
+  bench.configure();
+  bench.application.may_detach = false;
+  EXPECT_TRUE(bench.control({0x21, 0, 1000, 3, 0}).stalled());
+  EXPECT_EQ(bench.application.detaches, 0);
+  EXPECT_THAT(bench.control({0xa1, 5, 0, 3, 1}).bytes, ElementsAre(0)) << "still appIDLE";
+}
+
 }  // namespace
 }  // namespace umov::test

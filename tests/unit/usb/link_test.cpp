@@ -168,6 +168,71 @@ TEST_F(UsbLink, an_owner_that_has_fallen_silent_or_says_good_bye_makes_room) {
   EXPECT_EQ(frame_types(bench.application.received).size(), 5u);
 }
 
+/// A serial line that keeps what is written to it.
+class KeptLine final : public fu::SerialLine {
+ public:
+  std::size_t room() const override { return 1000 - sent.size(); }
+  bool write(std::span<const std::uint8_t> bytes) override {
+    if (bytes.size() > room()) return false;
+    sent.insert(sent.end(), bytes.begin(), bytes.end());
+    return true;
+  }
+  Bytes sent;
+};
+
+TEST(SerialLine, a_host_on_it_keeps_the_link_when_another_greets_on_usb) {
+  KeptLine line;
+  UsbBench bench("TEST-2", &line);
+  bench.configure();
+  bench.device.tick(1'000'000);
+  bench.device.take_serial(hello_frame("on the line"));
+  EXPECT_THAT(frame_types(bench.application.received), ElementsAre(Hello::info.id));
+  EXPECT_TRUE(bench.device.write_link(counting_bytes(30)));
+  EXPECT_EQ(line.sent, counting_bytes(30));
+  EXPECT_EQ(bench.device.link_room(), 970u);
+  bench.device.tick(1'900'000);
+  EXPECT_TRUE(bench.write(1, hello_frame("on usb", 5)).ok());
+  const auto refused = bench.read(1, 64);
+  ASSERT_TRUE(refused.has_value());
+  Busy busy;
+  protocol::FrameReader reader;
+  reader.feed(refused->bytes, [&](const protocol::FrameView& frame) {
+    EXPECT_EQ(frame.sequence, 5);
+    EXPECT_TRUE(protocol::decode(frame.payload, busy).ok());
+  });
+  EXPECT_STREQ(busy.owner.data(), "on the line");
+  bench.port.bus_reset();
+  EXPECT_TRUE(bench.device.write_link(counting_bytes(5))) << "the cable is none of its business";
+  EXPECT_EQ(frame_types(bench.application.received).size(), 1u);
+}
+
+TEST(SerialLine, a_host_on_it_is_told_who_is_on_usb) {
+  KeptLine line;
+  UsbBench bench("TEST-3", &line);
+  bench.configure();
+  bench.device.tick(1'000'000);
+  EXPECT_TRUE(bench.write(1, hello_frame("on usb")).ok());
+  bench.device.take_serial(hello_frame("late", 9));
+  EXPECT_THAT(frame_types(line.sent), ElementsAre(Busy::info.id));
+  EXPECT_THAT(frame_types(bench.application.received), ElementsAre(Hello::info.id));
+  bench.device.tick(2'600'000);
+  bench.device.take_serial(hello_frame("late", 10));
+  EXPECT_EQ(frame_types(bench.application.received).size(), 2u) << "usb has fallen silent";
+}
+
+TEST_F(UsbLink, frames_for_nobody_are_not_taken) {
+  EXPECT_EQ(bench.device.link_room(), 0u);
+  EXPECT_FALSE(bench.device.write_link(counting_bytes(10)));
+}
+
+TEST_F(UsbLink, a_host_from_before_a_restart_is_told_to_greet) {
+  Bytes frame(protocol::wire_frame_size<protocol::GetStatus>);
+  frame.resize(protocol::FrameWriter::write(3, protocol::GetStatus{}, frame));
+  write_all(1, frame);
+  EXPECT_THAT(frame_types(read_all(1, 64)), ElementsAre(protocol::ErrorReply::info.id));
+  EXPECT_TRUE(bench.application.received.empty());
+}
+
 TEST_F(UsbLink, an_unplugged_cable_leaves_no_stale_bytes) {
   open_on_bulk();
   bench.device.write_link(counting_bytes(3000));
@@ -175,7 +240,7 @@ TEST_F(UsbLink, an_unplugged_cable_leaves_no_stale_bytes) {
   ASSERT_EQ(bench.port.in(1, packet), usbip::Handshake::ack);
   write_all(1, counting_bytes(10));
   bench.port.bus_reset();
-  bench.device.write_link(counting_bytes(100));  // nobody there: dropped
+  EXPECT_FALSE(bench.device.write_link(counting_bytes(100))) << "nobody there";
   bench.configure();
   EXPECT_FALSE(bench.read(1, 64).has_value());
   bench.application.received.clear();

@@ -33,12 +33,14 @@ class Recorder final : public fu::Application {
     now.axis = axis;
     return now;
   }
+  bool detach_allowed() const override { return may_detach; }
   void on_detach() override { ++detaches; }
 
   Bytes received;
   std::vector<fu::HandReport> hand_reports;
   fu::HandState state{};
   int detaches = 0;
+  bool may_detach = true;
 };
 
 struct Outcome {
@@ -75,8 +77,8 @@ inline std::array<char, 24> serial_text(const std::string& text) {
 
 class UsbBench {
  public:
-  explicit UsbBench(const std::string& serial = "TEST-1")
-      : device(port, application, serial_text(serial)) {
+  explicit UsbBench(const std::string& serial = "TEST-1", fu::SerialLine* line = nullptr)
+      : device(port, application, serial_text(serial), line) {
     port.bind(device);
     device.start();
     port.bus_reset();

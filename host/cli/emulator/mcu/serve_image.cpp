@@ -5,6 +5,7 @@
 #include <chrono>
 #include <vector>
 
+#include "host/cli/emulator/mcu/debugger_port.hpp"
 #include "host/cli/emulator/mcu/mcu_instrument.hpp"
 #include "host/instrument/tcp_server.hpp"
 
@@ -20,11 +21,12 @@ constexpr std::uint64_t backlog_us = 100'000;
 
 }  // namespace
 
-void serve_image(const BenchOptions& bench, const std::string& image, const ServeOptions& options,
+void serve_image(const BenchOptions& bench, const BoardFiles& files, const ServeOptions& options,
                  const std::function<bool()>& keep_going) {
-  McuInstrument instrument(bench, {.image = image});
+  McuInstrument instrument(bench, {.image = files.image, .boot_loader = files.boot_loader});
   auto& board = instrument.board();
   instrument::TcpServer server(options.port, options.address);
+  DebuggerPort debugger(board.chip(), options.gdb_port, options.on_gdb);
   if (options.on_listening) options.on_listening(server.port());
 
   const auto start = Clock::now();
@@ -46,6 +48,7 @@ void serve_image(const BenchOptions& bench, const std::string& image, const Serv
       output.clear();
       if (options.on_event) options.on_event(connected ? "host connected" : "host gone");
     }
+    debugger.service();
     while (const std::size_t n = server.read(received)) {
       board.deliver(std::span(received).first(n));
     }

@@ -1,11 +1,11 @@
-// A file descriptor that closes itself. Only for the transports of this folder.
+// A file descriptor that closes itself.
 #pragma once
 
 #include <unistd.h>
 
 #include <utility>
 
-namespace umov::instrument {
+namespace umov::net {
 
 class Socket {
  public:
@@ -29,4 +29,4 @@ class Socket {
   int descriptor_ = -1;
 };
 
-}  // namespace umov::instrument
+}  // namespace umov::net
