@@ -66,10 +66,13 @@ std::string serial_from(const std::string& device) {
 /// Into the boot loader, unless the controller is there already (an update was cut short); returns
 /// its serial number.
 std::string enter_boot_loader(const std::string& serial) {
-  for (const auto& waiting : instrument::list_update_devices()) {
-    if (waiting.accessible && (serial.empty() || waiting.serial == serial)) return waiting.serial;
-  }
-  const std::string found = instrument::restart_in_boot_loader(serial);
+  const auto waiting = instrument::list_update_devices();
+  auto all = instrument::list_usb_devices();
+  all.insert(all.end(), waiting.begin(), waiting.end());
+  const auto device = instrument::choose_device(all, "usb", serial);
+  const auto is_device = [&](const auto& other) { return other.node == device.node; };
+  if (std::any_of(waiting.begin(), waiting.end(), is_device)) return device.serial;
+  const std::string found = instrument::restart_in_boot_loader(device.serial);
   if (!instrument::wait_for_device(instrument::list_update_devices, found, reappears_within)) {
     throw Error({"usb:" + found}, "its boot loader does not appear on USB",
                 "plug it in again (a cable of USB/IP: attach again) and repeat the command");
@@ -124,7 +127,7 @@ void check_running(const std::string& serial, const FirmwareImage& image) {
 /// "[reset] chip = …, boot0 = N, nrst = N" of a TOML file.
 instrument::BootLineNames read_lines(const std::string& path) {
   constexpr const char* remedy =
-      "write for instance:\n[reset]\nchip = \"mcp2221_gpio\"\nboot0 = 0\nnrst = 1";
+      "write [reset] and below it, a line each, chip = \"mcp2221_gpio\", boot0 = 0, nrst = 1";
   const auto table = parse_toml(formats::read_whole_file(path, 1 << 20), path, remedy);
   const auto chip = table["reset"]["chip"].value<std::string>();
   const auto boot0 = table["reset"]["boot0"].value<std::int64_t>();
@@ -177,6 +180,10 @@ void flash(const Options& options, const Common& common) {
     const auto boot_loader = instrument::open_boot_loader(serial, options.older_too);
     if (!options.backup.empty()) {
       const auto running = instrument::dfu_upload(*boot_loader);
+      if (running.empty()) {
+        throw Error({"usb:" + serial}, "the controller has no image that could be kept",
+                    "leave --backup out");
+      }
       write_file(options.backup, running);
     }
     send(*boot_loader, image, common);

@@ -78,6 +78,11 @@ class EmulatedBoard(UmovCase):
         (self.folder / "changed.bin").write_bytes(one[:-8] + b"otherwise"[:8])
         self.refused("device", "flash", "changed.bin", says=["changed.bin", "CRC"])
         self.refused("device", "sign", image, "--key", "one.bin", "-o", "two.bin", says=["one.bin:1", "key"])
+        (self.folder / "lines.toml").write_text("[reset]\nchip = 'no such chip'\nboot0 = 0\n", encoding="utf-8")
+        self.refused("device", "flash", image, "--quiet", "--rom", "lines.toml", says=["lines.toml", "nrst"])
+        (self.folder / "lines.toml").write_text("[reset]\nchip = 'no such chip'\nboot0 = 0\nnrst = 1\n",
+                                                encoding="utf-8")
+        self.refused("device", "flash", image, "--quiet", "--rom", "lines.toml", says=["no such GPIO chip"])
         self.refused("device", "flash", image, "--device", "tcp:localhost:1", says=["over USB"])
 
     def test_an_image_that_is_none_is_refused(self):
