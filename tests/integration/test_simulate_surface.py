@@ -2,22 +2,27 @@
 
 import json
 import math
+import os
+import shutil
+import signal
+import subprocess
+import time
 import unittest
 
 import h5py
 
-from umov_case import SOURCE, UmovCase
+from umov_case import SOURCE, UMOV, UmovCase
 
-PAINT = """wavelengths_nm = [500, 700]
-period_um = 100
-[ground]
-kind = "lambertian"
-albedo = [0.2, 0.6]
+PAINT = """[surface]
+wavelengths_um = [0.5, 0.7]
+period_um = 200
+[substrate]
+model = "lambertian"
+rho = [0.2, 0.6]
 """
 SOIL = """[[particles]]
-kind = "soil"
-albedo = 0.5
-diameter_um = 20
+material = "dry_soil"
+radius_um = 10
 coverage = 0.3
 """
 
@@ -58,15 +63,65 @@ class SimulateSurface(UmovCase):
         self.assertNotEqual(dhr("--seed", 1), dhr("--seed", 2))
 
     def test_the_example_runs_and_its_hemisphere_can_be_exported(self):
-        self.must("simulate", "surface", SOURCE / "examples/surfaces/wet-dirt.toml", "--theta-i", 20, "--relative-error", 2,
+        self.must("simulate", "surface", SOURCE / "examples/surfaces/wet-dirt.toml", "--theta-i", "20,60", "--relative-error", 2,
                   "-o", "wet.h5", "--quiet")
         self.must("export", "wet.h5", "-o", "wet.csv")
+        with h5py.File(self.folder / "wet.h5") as file:
+            for group, theta in (("hemisphere", 20), ("hemisphere_2", 60)):
+                f = file[group + "/mueller"][:]
+                solid = file[group + "/solid_angle_sr"][:]
+                cosine = [math.cos(math.radians(t)) for t in file[group + "/theta_r_deg"][:]]
+                self.assertEqual(file[group].attrs["theta_i_deg"], theta)
+                self.assertEqual(f.shape, (len(solid), 11, 16))
+                dhr = sum(x * s * c for x, s, c in zip(f[:, 0, 0], solid, cosine))
+                self.assertAlmostEqual(dhr / file[group].attrs["dhr"][0], 1, delta=0.01)
+
+    def test_an_interrupted_run_is_kept_and_goes_on_to_the_same_bits(self):
+        scene = self.scene(PAINT + SOIL)
+        command = ["simulate", "surface", scene, "--theta-i", 30, "-o", "sim.h5", "--quiet", "--json"]
+        running = subprocess.Popen([UMOV, *map(str, command), "--samples", "1e9"], cwd=self.folder,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        time.sleep(1.0)
+        running.send_signal(signal.SIGINT)
+        said, complaint = running.communicate(timeout=60)
+        self.assertEqual(running.returncode, 130, complaint)
+        self.assertIn("--resume", complaint)
+        first = json.loads(said)
+        self.assertTrue((self.folder / "sim.h5.state").exists())
+        with h5py.File(self.folder / "sim.h5") as file:
+            self.assertEqual(file["hemisphere"].attrs["samples"], first["samples"])
+        more = first["samples"] + 100000
+        resumed = json.loads(self.must(*command, "--samples", more, "--resume").stdout)
+        self.assertFalse((self.folder / "sim.h5.state").exists())
+        command[command.index("sim.h5")] = "whole.h5"
+        whole = json.loads(self.must(*command, "--samples", more).stdout)
+        self.assertEqual(resumed["bands"], whole["bands"])
+        self.assertEqual(resumed["rays"], whole["rays"])
+
+    @unittest.skipUnless(shutil.which("mpirun"), "mpirun is not installed")
+    def test_four_ranks_give_the_bits_of_one(self):
+        scene = self.scene(PAINT + SOIL)
+        command = ["simulate", "surface", str(scene), "--samples", "1e5", "--theta-i", "10,50", "--json", "--quiet"]
+        alone = json.loads(self.must(*command).stdout)
+        environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+        team = subprocess.run(["mpirun", "--oversubscribe", "--bind-to", "none", "-n", "4", str(UMOV), *command], cwd=self.folder, timeout=120,
+                              env=environment, capture_output=True, text=True, check=True)
+        self.assertEqual(json.loads(team.stdout), alone)
+
+    def test_a_warm_paint_shines_by_itself(self):
+        text = PAINT.replace("[0.5, 0.7]", "[3.0, 5.0]") + "[emission]\ntemperature_k = 300\nsky_temperature_k = 300\n"
+        said = json.loads(self.must("simulate", "surface", self.scene(text), "--samples", 1e5, "--json", "--quiet").stdout)
+        for band, albedo in zip(said["bands"], (0.2, 0.6)):
+            w = band["wavelength_nm"] * 1e-3
+            black = 1.191042972e8 / w**5 / math.expm1(14387.76877 / (w * 300))
+            self.assertAlmostEqual(band["emissivity"], 1 - albedo, places=9)
+            self.assertAlmostEqual(band["radiance"]["total"] / black, 1, places=6)
 
     def test_refuses_what_cannot_be(self):
         crowded = self.scene(PAINT + SOIL.replace("0.3", "0.9"))
         self.refused("simulate", "surface", crowded, says=("find no more room",))
         self.refused("simulate", "surface", self.scene(PAINT), "--theta-i", 90, says=("90",))
-        self.refused("simulate", "surface", self.scene(PAINT + "gloss = 1\n"), says=("scene.toml:6", "gloss"))
+        self.refused("simulate", "surface", self.scene(PAINT + "gloss = 1\n"), says=("scene.toml:7", "gloss"))
 
 
 if __name__ == "__main__":
