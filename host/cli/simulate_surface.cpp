@@ -11,6 +11,7 @@
 
 #include "host/cli/interrupt.hpp"
 #include "host/cli/output_file.hpp"
+#include "host/cli/simulate_mixture.hpp"
 #include "host/cli/surface_run.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/brdf_h5.hpp"
@@ -28,6 +29,8 @@ using surface::Directions;
 
 struct Options : SurfaceOptions {
   Directions directions = Directions::both;
+  bool mixture = false;
+  std::vector<double> coverage_factors{0.2, 0.4, 0.6, 0.8, 1.0};
 };
 
 ordered_json angle_summary(const surface::Surface& described, double theta_i_deg,
@@ -175,6 +178,7 @@ void write(const Options& options, const Common& common, const surface::Surface&
 void run(const Options& options, const Common& common) {
   if (!options.output.empty()) require_product_output({options.scene}, options.output);
   const Ranks ranks;
+  if (options.mixture) return run_mixture(options, options.coverage_factors, common, ranks);
   const surface::Surface described = surface::read_surface(options.scene, {.seed = common.seed});
   SurfaceRun work(options, common, ranks);
   const std::vector<double> theta = work.angles(described);
@@ -234,6 +238,15 @@ void add_simulate_surface(CLI::App& simulate, const Common& common) {
                    "of the table in the file: cells, strip or both; both hold the same light")
       ->transform(CLI::CheckedTransformer(std::map<std::string, Directions>{
           {"cells", Directions::cells}, {"strip", Directions::strip}, {"both", Directions::both}}));
+  command->add_flag("--mixture", options->mixture,
+                    "linear mixing of the materials by area beside the simulation, at several "
+                    "coverages; -o is then a JSON file");
+  command
+      ->add_option("--coverage-factors", options->coverage_factors,
+                   "--mixture: multiples of the scene's coverages")
+      ->delimiter(',')
+      ->check(CLI::Range(1e-3, 1e3))
+      ->capture_default_str();
   command->footer(
       "Examples:\n"
       "  umov simulate surface examples/surfaces/wet-dirt.toml --theta-i 20,60 -o wet.h5\n"

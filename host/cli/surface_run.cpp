@@ -38,7 +38,10 @@ class RankTeam : public trace::Team {
 }  // namespace
 
 SurfaceRun::SurfaceRun(const SurfaceOptions& options, const Common& common, const Ranks& ranks)
-    : options_(options), common_(common), ranks_(ranks) {
+    : options_(options),
+      common_(common),
+      ranks_(ranks),
+      team_(ranks.size() > 1 ? std::make_unique<RankTeam>(ranks) : nullptr) {
   if (options.samples && !(*options.samples >= 1.0 && *options.samples <= 1e15)) {
     throw Error(fmt::format("{} samples", *options.samples), "choose 1 to 1e15");
   }
@@ -55,13 +58,7 @@ std::vector<double> SurfaceRun::angles(const surface::Surface& described) const 
   return angles;
 }
 
-std::vector<trace::Result> SurfaceRun::simulate(const surface::Surface& described) {
-  const trace::Geometry geometry(described.scene);
-  const trace::PathTracer tracer(described.scene, geometry);
-  const trace::Hemisphere hemisphere(options_.rings, options_.strip,
-                                     optics::radians(options_.strip_half_width_deg));
-  const std::vector<double> theta = angles(described);
-  RankTeam team(ranks_);
+trace::Request SurfaceRun::request(const surface::Surface& described) const {
   trace::Request request;
   request.seed = common_.seed;
   request.threads = common_.threads == 0 && ranks_.size() > 1 ? 1 : common_.threads;
@@ -73,8 +70,18 @@ std::vector<trace::Result> SurfaceRun::simulate(const surface::Surface& describe
   request.samples = static_cast<std::uint64_t>(
       options_.samples.value_or(ends_itself ? unlimited_samples : preset_samples));
   request.emissivity = described.emission.has_value();
-  if (ranks_.size() > 1) request.team = &team;
+  request.team = team_.get();
   request.stop = [] { return interrupt_flag().load(); };
+  return request;
+}
+
+std::vector<trace::Result> SurfaceRun::simulate(const surface::Surface& described) {
+  const trace::Geometry geometry(described.scene);
+  const trace::PathTracer tracer(described.scene, geometry);
+  const trace::Hemisphere hemisphere(options_.rings, options_.strip,
+                                     optics::radians(options_.strip_half_width_deg));
+  const std::vector<double> theta = angles(described);
+  trace::Request request = this->request(described);
 
   const std::string run =
       fmt::format("{} {} {} {} {} {} {} {}", formats::sha256_of_file(options_.scene), common_.seed,

@@ -2,6 +2,7 @@
 // and continued.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,6 +37,9 @@ class SurfaceRun {
   /// Angles of incidence in degrees: of the options, else of the scene.
   std::vector<double> angles(const surface::Surface& described) const;
 
+  /// What the options and the scene ask of a simulation, but for θi. Valid as long as this.
+  trace::Request request(const surface::Surface& described) const;
+
   /// The results of all angles, or of those until Ctrl-C. With an output file, the state is kept
   /// beside it each minute and at Ctrl-C, and taken up where the options say so.
   std::vector<trace::Result> simulate(const surface::Surface& described);
@@ -48,6 +52,7 @@ class SurfaceRun {
   const SurfaceOptions& options_;
   const Common& common_;
   const Ranks& ranks_;
+  std::unique_ptr<trace::Team> team_;
   bool interrupted_ = false;
 };
 

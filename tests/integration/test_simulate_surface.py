@@ -108,6 +108,20 @@ class SimulateSurface(UmovCase):
                               env=environment, capture_output=True, text=True, check=True)
         self.assertEqual(json.loads(team.stdout), alone)
 
+    def test_a_mixture_is_compared_with_the_simulation(self):
+        self.must("simulate", "surface", self.scene(PAINT + SOIL), "--mixture", "--coverage-factors", "0.5,1", "--theta-i", "0,60",
+                  "--samples", 40000, "-o", "mixture.json", "--quiet")
+        found = json.loads((self.folder / "mixture.json").read_text(encoding="utf-8"))
+        self.assertEqual([a["theta_i_deg"] for a in found["angles"]], [0, 60])
+        above = found["angles"][0]["points"]
+        self.assertAlmostEqual(above[1]["area_fraction"], above[1]["coverage"], delta=0.01)
+        for angle in found["angles"]:
+            self.assertEqual(angle["law"]["points"], 2)
+            for point in angle["points"]:
+                f = point["area_fraction"]
+                self.assertAlmostEqual(point["bands"][1]["dhr_linear"], f * 0.3355 + (1 - f) * 0.6, delta=1e-6)
+                self.assertGreater(point["effective_fraction_u"], 0)
+
     def test_a_warm_paint_shines_by_itself(self):
         text = PAINT.replace("[0.5, 0.7]", "[3.0, 5.0]") + "[emission]\ntemperature_k = 300\nsky_temperature_k = 300\n"
         said = json.loads(self.must("simulate", "surface", self.scene(text), "--samples", 1e5, "--json", "--quiet").stdout)
