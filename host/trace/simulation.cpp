@@ -23,14 +23,17 @@ constexpr std::size_t wave = 16;
 // What one block gives.
 class Block : public Collector {
  public:
-  Block(const Hemisphere& hemisphere, std::size_t wavelengths, std::size_t owners)
+  Block(const Hemisphere& hemisphere, std::size_t wavelengths, std::size_t owners,
+        std::uint32_t most_meetings)
       : Collector(owners > 0),
         cells(hemisphere.size() * wavelengths),
         all(wavelengths),
         absorbed(owners * wavelengths),
         ledger(wavelengths),
         hemisphere_(hemisphere),
-        wavelengths_(wavelengths) {}
+        wavelengths_(wavelengths),
+        most_meetings_(most_meetings > 0 ? most_meetings
+                                         : std::numeric_limits<std::uint32_t>::max()) {}
 
   void clear() {
     std::fill(cells.begin(), cells.end(), Mueller<double>(0.0));
@@ -40,7 +43,7 @@ class Block : public Collector {
   }
 
   void collect(const Exit& exit) override {
-    if (!(exit.direction.z > 0.0)) return;
+    if (!(exit.direction.z > 0.0) || exit.meetings > most_meetings_) return;
     cells[hemisphere_.find(exit.direction) * wavelengths_ + exit.wavelength] += exit.weight;
     if (const auto strip = hemisphere_.find_in_strip(exit.direction)) {
       cells[*strip * wavelengths_ + exit.wavelength] += exit.weight;
@@ -85,6 +88,7 @@ class Block : public Collector {
 
   const Hemisphere& hemisphere_;
   std::size_t wavelengths_;
+  std::uint32_t most_meetings_;
 };
 
 void check(const PathTracer& tracer, const Request& request) {
@@ -230,7 +234,8 @@ class Run {
             hemisphere, tracer.scene().wavelengths_um.size(),
             request.emissivity ? tracer.scene().materials.size() + tracer.scene().media.size() : 0),
         blocks_(round_,
-                Block(result_.hemisphere_, tracer.scene().wavelengths_um.size(), result_.owners_)),
+                Block(result_.hemisphere_, tracer.scene().wavelengths_um.size(), result_.owners_,
+                      request.most_meetings)),
         workspaces_(wave, PathTracer::Workspace(tracer)) {
     result_.block_ = static_cast<double>(request.block);
   }

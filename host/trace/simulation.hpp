@@ -51,6 +51,8 @@ struct Request {
   double dhr_relative_error = 0.0;    ///< stop when every wavelength has it (1 σ); 0: never
   std::uint64_t rays = 0;             ///< stop when so many have been traced; 0: never
   int threads = 0;                    ///< 0: all cores; changes no result
+  /// Exits count that have met so many faces at most; 0: all. The ledger counts all.
+  std::uint32_t most_meetings = 0;
   bool emissivity = false;            ///< also by whom light is absorbed
   std::function<void(const Progress&)> progress = {};
   std::function<bool()> stop = {};  ///< asked now and then; true ends the run with what there is

@@ -122,6 +122,16 @@ class SimulateSurface(UmovCase):
                 self.assertAlmostEqual(point["bands"][1]["dhr_linear"], f * 0.3355 + (1 - f) * 0.6, delta=1e-6)
                 self.assertGreater(point["effective_fraction_u"], 0)
 
+    def test_what_mixing_leaves_out_of_a_dirty_paint_is_named(self):
+        scene = self.scene(PAINT.replace("period_um = 200", "period_um = 600") + SOIL)
+        self.must("simulate", "surface", scene, "--theta-i", 50, "--samples", 2e5, "--seed", 5, "--rings", 18, "--directions", "cells",
+                  "-o", "dirty.h5", "--quiet")
+        answer = json.loads(self.must("diagnose", "dirty.h5", "--surface", scene, "--json", "answer.json", "--quiet").stdout or
+                            (self.folder / "answer.json").read_text(encoding="utf-8"))
+        named = {cause["effect"] for cause in answer["causes"]}
+        self.assertIn("particle_shadowing", named)
+        self.assertLessEqual(named, {"particle_shadowing", "multiple_scattering"})
+
     def test_a_warm_paint_shines_by_itself(self):
         text = PAINT.replace("[0.5, 0.7]", "[3.0, 5.0]") + "[emission]\ntemperature_k = 300\nsky_temperature_k = 300\n"
         said = json.loads(self.must("simulate", "surface", self.scene(text), "--samples", 1e5, "--json", "--quiet").stdout)
