@@ -16,8 +16,10 @@
 #include "host/errors/error.hpp"
 #include "host/formats/brdf_h5.hpp"
 #include "host/formats/sha256.hpp"
+#include "host/formats/table_file.hpp"
 #include "host/optics/angles.hpp"
 #include "host/surface/brdf_export.hpp"
+#include "host/surface/hemisphere_table.hpp"
 #include "host/surface/radiance.hpp"
 #include "host/surface/sim_h5.hpp"
 
@@ -30,6 +32,7 @@ using surface::Directions;
 struct Options : SurfaceOptions {
   Directions directions = Directions::both;
   bool mixture = false;
+  std::string table;
   std::vector<double> coverage_factors{0.2, 0.4, 0.6, 0.8, 1.0};
 };
 
@@ -175,7 +178,24 @@ void write(const Options& options, const Common& common, const surface::Surface&
   });
 }
 
+// For whoever takes a reflectance as a table: chambers, the emulated instrument, other programs.
+void write_as_table(const Options& options, const Common& common, const surface::Surface& described,
+                    const std::vector<double>& theta, const std::vector<trace::Result>& results) {
+  const brdf::GridTable table = surface::hemisphere_table(
+      results, theta, described.scene.wavelengths_um, "simulated " + options.scene);
+  formats::TableWriting writing;
+  writing.program = "umov " UMOV_VERSION;
+  writing.command = common.command_line;
+  writing.notes = {
+      fmt::format("simulated; means over cells of about {:.3g} deg, mirrored at the "
+                  "plane of incidence",
+                  90.0 / static_cast<double>(options.rings))};
+  const bool csv = options.table.ends_with(".csv");
+  formats::write_table(options.table, csv ? "table-csv" : "table", table, writing);
+}
+
 void run(const Options& options, const Common& common) {
+  if (!options.table.empty()) require_product_output({options.scene}, options.table);
   if (!options.output.empty()) require_product_output({options.scene}, options.output);
   const Ranks ranks;
   if (options.mixture) return run_mixture(options, options.coverage_factors, common, ranks);
@@ -186,6 +206,9 @@ void run(const Options& options, const Common& common) {
   const std::vector<trace::Result> results = work.simulate(described);
   if (!work.first_rank()) return;
   if (!options.output.empty()) write(options, common, described, theta, results);
+  if (!options.table.empty() && !work.interrupted()) {
+    write_as_table(options, common, described, theta, results);
+  }
   const ordered_json s = summary(options, described, theta, results);
   if (common.json) {
     fmt::print("{}\n", s.dump());
@@ -238,6 +261,9 @@ void add_simulate_surface(CLI::App& simulate, const Common& common) {
                    "of the table in the file: cells, strip or both; both hold the same light")
       ->transform(CLI::CheckedTransformer(std::map<std::string, Directions>{
           {"cells", Directions::cells}, {"strip", Directions::strip}, {"both", Directions::both}}));
+  command->add_option("--table", options->table,
+                      "also write the BRDF as a table over all angles of incidence: .csv for the "
+                      "emulated instrument (umov emulator --sample FILE.csv), else table.h5");
   command->add_flag("--mixture", options->mixture,
                     "linear mixing of the materials by area beside the simulation, at several "
                     "coverages; -o is then a JSON file");

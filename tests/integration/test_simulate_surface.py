@@ -132,6 +132,25 @@ class SimulateSurface(UmovCase):
         self.assertIn("particle_shadowing", named)
         self.assertLessEqual(named, {"particle_shadowing", "multiple_scattering"})
 
+    def test_a_dirty_sample_lies_under_the_emulated_instrument(self):
+        text = PAINT + SOIL.replace("0.3", "0.5")
+        self.must("simulate", "surface", self.scene(text), "--theta-i", "0,30,60", "--samples", 4e5, "--rings", 9, "--strip", 60,
+                  "--strip-half-width", 5, "--directions", "strip", "-o", "dirty.h5", "--table", "dirty.csv", "--quiet")
+        (self.folder / "plan.toml").write_text('sample = "dirt"\nwavelengths_nm = [633]\ntheta_i_deg = [30]\n'
+                                               'theta_r_deg = [-60, -45, 0, 45, 60]\nstates = [["open", "open"]]\ndwell_ms = 20\n')
+        self.must("scan", "plan.toml", "--sample", "dirty.csv", "-o", "scan.h5", "--quiet")
+        with h5py.File(self.folder / "scan.h5") as file:
+            signal = file["records/x_v"][:] / file["records/monitor_v"][:]
+            theta = file["records/theta_r_deg"][:]
+        by_angle = {t: x / math.cos(math.radians(t)) for t, x in zip(theta, signal)}
+        # Dirt is brighter towards the light, as it is in the simulation.
+        with h5py.File(self.folder / "dirty.h5") as file:
+            here = {t: f for t, f, i, w in zip(*(file["points/" + name][:] for name in
+                    ("theta_r_deg", "brdf_per_sr", "theta_i_deg", "wavelength_nm"))) if i == 30 and w == 700}
+        near = lambda angle: sum(f for t, f in here.items() if abs(t - angle) < 8) / sum(abs(t - angle) < 8 for t in here)
+        self.assertGreater(near(-60), 1.2 * near(60))
+        self.assertAlmostEqual(by_angle[-60] / by_angle[60], near(-60) / near(60), delta=0.2)
+
     def test_a_warm_paint_shines_by_itself(self):
         text = PAINT.replace("[0.5, 0.7]", "[3.0, 5.0]") + "[emission]\ntemperature_k = 300\nsky_temperature_k = 300\n"
         said = json.loads(self.must("simulate", "surface", self.scene(text), "--samples", 1e5, "--json", "--quiet").stdout)

@@ -255,9 +255,10 @@ void add_soil(Page& page, SurfaceBench& bench) {
     targets.push_back(
         {fmt::format("effective against true fraction is a curve, {}, 20°", soils[s]), "γ is not 1",
          fmt::format("γ = {:.3f} ({:.0f} σ from 1)", seen[s][0].law.gamma, z), z > 3.0});
-    targets.push_back(
-        {fmt::format("more linear at 60° than at 20°, {}", soils[s]), "effective fraction nearer to f",
-         fmt::format("at most {:.3f} at 60°, {:.3f} at 20°", bend[1], bend[0]), bend[1] < bend[0]});
+    targets.push_back({fmt::format("more linear at 60° than at 20°, {}", soils[s]),
+                       "effective fraction nearer to f",
+                       fmt::format("at most {:.3f} at 60°, {:.3f} at 20°", bend[1], bend[0]),
+                       bend[1] < bend[0]});
   }
 
   page.heading("Figure 6: hemispherical degree of polarisation");

@@ -19,8 +19,9 @@ namespace {
 
 using trace::Result;
 
-constexpr std::size_t strip_cells = 90;
-constexpr double strip_half_width_deg = 4.0;
+// As `umov simulate surface` has it unless told otherwise.
+constexpr std::size_t strip_cells = 180;
+constexpr double strip_half_width_deg = 2.0;
 // θr of the observations of a row: the steps in which they are withheld.
 constexpr double row_deg = 15.0;
 // Thickness of the water film over the radius of the smallest particles, or over 1/100 period.
@@ -43,10 +44,13 @@ trace::Estimate looked_up(const Result& result, std::size_t wavelength, const Di
     const int row = d.channel == polarised ? 1 : 0;
     return trace::Estimate{optics::element(e.mean, row, 0), optics::element(e.error, row, 0)};
   };
-  if (d.phi_deg != 0.0) {
-    return cell_value(hemisphere.find(
-        optics::exit_direction(optics::radians(d.theta_r_deg), optics::radians(d.phi_deg))));
-  }
+  // A measurement that was simulated is compared cell by cell: then mirror directions fall into the
+  // same ones.
+  const std::size_t around = hemisphere.find(
+      optics::exit_direction(optics::radians(d.theta_r_deg), optics::radians(d.phi_deg)));
+  const trace::Cell cell = hemisphere.cell(around);
+  const double middle = optics::degrees(0.5 * (cell.theta_low + cell.theta_high));
+  if (d.phi_deg != 0.0 || std::abs(middle - d.theta_r_deg) < 1e-6) return cell_value(around);
   const double place = (d.theta_r_deg + 90.0) / 180.0 * static_cast<double>(strip_cells) - 0.5;
   const auto low = static_cast<std::size_t>(
       std::clamp(std::floor(place), 0.0, static_cast<double>(strip_cells - 2)));
@@ -226,12 +230,13 @@ SurfaceModel::SurfaceModel(const formats::BrdfTable& measurement, const std::str
         const trace::Estimate ground = seen(bare);
         const trace::Estimate single = seen(once);
         const trace::Estimate full = seen(often);
+        const trace::Estimate damp = seen(wet);
         const double clean = (1.0 - covered) * ground.mean;
         variance += std::pow((1.0 - covered) * ground.error, 2);
         linear_(i, c) = dirty + clean;
         templates_[shadowing](i, c) = single.mean - linear_(i, c);
         templates_[bounces](i, c) = full.mean - single.mean;
-        templates_[water](i, c) = seen(wet).mean - full.mean;
+        templates_[water](i, c) = damp.mean - full.mean;
         templates_[contaminant_albedo](i, c) = dirty;
         templates_[ground_albedo](i, c) = clean;
         const double half_tan =
@@ -241,7 +246,7 @@ SurfaceModel::SurfaceModel(const formats::BrdfTable& measurement, const std::str
                 ? std::exp(-0.5 * std::pow(half_tan / lobe_slope, 2))
                 : 0.0;
         // What is compared is one or another of these simulations.
-        doubt[i] = std::max({doubt[i], variance, full.error * full.error});
+        doubt[i] = std::max({doubt[i], variance, full.error * full.error, damp.error * damp.error});
       }
     }
   }

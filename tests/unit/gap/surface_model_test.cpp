@@ -49,8 +49,8 @@ formats::BrdfTable measured(const std::string& scene, std::uint32_t most_meeting
   request.theta_i = optics::radians(40.0);
   request.most_meetings = most_meetings;
   return surface::brdf_table(
-      simulate(tracer, trace::Hemisphere(rings, 90, optics::radians(4.0)), request), s.scene, 40.0,
-      surface::Directions::both);
+      simulate(tracer, trace::Hemisphere(rings, 180, optics::radians(2.0)), request), s.scene, 40.0,
+      surface::Directions::cells);
 }
 
 Diagnosis diagnosed(const formats::BrdfTable& table, const std::string& scene) {
