@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/cli/command.hpp"
+#include "host/cli/diagnose_surface.hpp"
 #include "host/cli/diagnosis_text.hpp"
 #include "host/cli/effects_text.hpp"
 #include "host/cli/follow_up.hpp"
@@ -30,7 +31,7 @@ struct Arguments {
   KnownFiles known;
   FollowUpOptions follow_up;
   bool quick = false;
-  std::string json, next, report;
+  std::string json, next, report, surface;
   bool effects = false;
   gap::scan::ScanDiagnoseOptions options;
 };
@@ -52,6 +53,12 @@ void run(Arguments& a, const Common& common) {
   if (a.scans.empty())
     throw Error("no scan was named",
                 "umov diagnose scan.h5; `umov diagnose --effects` lists effects");
+  if (!a.surface.empty()) {
+    if (a.scans.size() > 1 || !a.next.empty() || !a.report.empty())
+      throw Error("--surface goes with one brdf.h5 and --json only",
+                  "umov diagnose brdf.h5 --surface scene.toml --json diagnosis.json");
+    return diagnose_surface(a.scans[0], a.surface, a.json, common);
+  }
   if (!a.json.empty()) require_product_output(a.scans, a.json);
   if (!a.next.empty()) require_product_output(a.scans, a.next);
   if (!a.report.empty()) require_product_output(a.scans, a.report);
@@ -115,6 +122,9 @@ void add_diagnose_command(CLI::App& root, const Common& common) {
   command->add_option("--next", a->next,
                       "write the plan of the scan to take next, where one is prescribed");
   command->add_option("--report", a->report, "write the diagnosis as one HTML page with figures");
+  command->add_option("--surface", a->surface,
+                      "scene file of a dirty, wet or rough surface: what a linear mixture of its "
+                      "materials misses of a measured brdf.h5");
   command->add_flag("--effects", a->effects, "list the effects that a diagnosis knows");
   command->add_option("-m,--model", a->options.model.model, "reflectance model of the simulation")
       ->capture_default_str();

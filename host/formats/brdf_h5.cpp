@@ -63,7 +63,7 @@ std::string content_sha256(const BrdfTable& table) {
 }
 
 void write_brdf_h5(const std::filesystem::path& path, const BrdfTable& table,
-                   const Provenance& provenance) {
+                   const Provenance& provenance, const std::function<void(Hdf5Builder&)>& more) {
   check_table(table, path.string());
   check_storable(table.keys, path.string());
   Hdf5Builder file(path.string());
@@ -92,6 +92,7 @@ void write_brdf_h5(const std::filesystem::path& path, const BrdfTable& table,
                    "cov = diag(brdf_u^2) + sum over rows F of outer(F, F)");
   }
   if (table.mueller) write_mueller(file, *table.mueller);
+  if (more) more(file);
   replace_file(path, file.finish());
 }
 

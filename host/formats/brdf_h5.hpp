@@ -10,12 +10,15 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "host/formats/brdf_table.hpp"
 #include "host/formats/provenance.hpp"
 
 namespace umov::formats {
+
+class Hdf5Builder;
 
 struct BrdfFile {
   BrdfTable table;
@@ -27,10 +30,12 @@ struct BrdfFile {
 /// corrupt or foreign.
 BrdfFile read_brdf_h5(const std::filesystem::path& path);
 
+/// `more` may add groups of its own, which the content's checksum does not cover (the file's does).
 /// Writes beside the target and renames. Replaces an existing file. Throws umov::Error for columns
 /// of unequal length and for numbers that are not finite (open axes excepted).
 void write_brdf_h5(const std::filesystem::path& path, const BrdfTable& table,
-                   const Provenance& provenance);
+                   const Provenance& provenance,
+                   const std::function<void(Hdf5Builder&)>& more = {});
 
 /// SHA-256 of keys and columns, independent of the file that holds them.
 std::string content_sha256(const BrdfTable& table);

@@ -137,6 +137,18 @@ void Hdf5Builder::attribute(const std::string& object, const std::string& name,
   check(H5Awrite(made.get(), type.get(), pointers(texts).data()), object + "@" + name);
 }
 
+void Hdf5Builder::attribute(const std::string& object, const std::string& name,
+                            std::span<const double> numbers) {
+  const Hdf5Handle owner(check(H5Oopen(file_.get(), object.c_str(), H5P_DEFAULT), object));
+  const hsize_t size = numbers.size();
+  const Hdf5Handle space(
+      check(size == 1 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &size, nullptr), object));
+  const Hdf5Handle made(check(
+      H5Acreate2(owner.get(), name.c_str(), H5T_IEEE_F64LE, space.get(), H5P_DEFAULT, H5P_DEFAULT),
+      object + "@" + name));
+  check(H5Awrite(made.get(), H5T_NATIVE_DOUBLE, numbers.data()), object + "@" + name);
+}
+
 void Hdf5Builder::store(const std::string& path, std::span<const hsize_t> dimensions,
                         hid_t file_type, hid_t memory_type, const void* values,
                         const std::string& unit) {
@@ -344,8 +356,7 @@ std::vector<double> Hdf5Reader::matrix(const std::string& path, std::size_t& row
   return values;
 }
 
-std::vector<double> Hdf5Reader::array(const std::string& path,
-                                      std::span<std::size_t> shape) const {
+std::vector<double> Hdf5Reader::array(const std::string& path, std::span<std::size_t> shape) const {
   std::vector<hsize_t> dimensions;
   open_dataset(path, shape.size(), dimensions);
   double total = sizeof(double);

@@ -42,6 +42,9 @@ class Hdf5Builder {
   void attribute(const std::string& object, const std::string& name, const std::string& text);
   void attribute(const std::string& object, const std::string& name,
                  const std::vector<std::string>& texts);
+  /// One number is stored as a scalar.
+  void attribute(const std::string& object, const std::string& name,
+                 std::span<const double> numbers);
   void column(const std::string& path, std::span<const double> values, const std::string& unit);
   void column(const std::string& path, std::span<const std::int64_t> values,
               const std::string& unit);

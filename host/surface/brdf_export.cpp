@@ -8,12 +8,11 @@
 namespace umov::surface {
 
 formats::BrdfTable brdf_table(const trace::Result& result, const trace::Scene& scene,
-                              double theta_i, Directions directions) {
+                              double theta_i_deg, Directions directions) {
   formats::BrdfTable table;
   auto& points = table.points;
   auto& mueller = table.mueller.emplace();
   mueller.side = 4;
-  const double incidence = optics::degrees(theta_i);
   const trace::Hemisphere& hemisphere = result.hemisphere();
   const std::size_t first = directions == Directions::strip ? hemisphere.cells() : 0;
   const std::size_t last = directions == Directions::cells ? hemisphere.cells() : hemisphere.size();
@@ -26,7 +25,7 @@ formats::BrdfTable brdf_table(const trace::Result& result, const trace::Scene& s
       const double theta_r = optics::degrees(0.5 * (cell.theta_low + cell.theta_high));
       const double phi =
           std::remainder(optics::degrees(0.5 * (cell.phi_low + cell.phi_high)), 360.0);
-      for (auto* group : {&points.theta_i_deg, &mueller.theta_i_deg}) group->push_back(incidence);
+      for (auto* group : {&points.theta_i_deg, &mueller.theta_i_deg}) group->push_back(theta_i_deg);
       for (auto* group : {&points.theta_r_deg, &mueller.theta_r_deg}) group->push_back(theta_r);
       for (auto* group : {&points.phi_r_deg, &mueller.phi_r_deg}) group->push_back(phi);
       for (auto* group : {&points.wavelength_nm, &mueller.wavelength_nm}) {
@@ -62,7 +61,7 @@ formats::BrdfTable brdf_table(const trace::Result& result, const trace::Scene& s
     }
     const trace::MuellerEstimate all = result.hemispherical(w);
     table.dhr.wavelength_nm.push_back(wavelength_nm);
-    table.dhr.theta_i_deg.push_back(incidence);
+    table.dhr.theta_i_deg.push_back(theta_i_deg);
     table.dhr.dhr.push_back(all.mean[0][0]);
     table.dhr.dhr_u.push_back(all.error[0][0]);
   }

@@ -15,8 +15,8 @@ enum class Directions { cells, strip, both };
 
 /// All 16 elements with their standard errors at the middle of each cell that light was seen in,
 /// m00 as points without polariser and analyser, and the DHR. Directions of the strip have φr = 0
-/// and a signed θr. `scene` is the one that was simulated, `theta_i` in radians.
+/// and a signed θr. `scene` is the one that was simulated, `theta_i_deg` its angle.
 formats::BrdfTable brdf_table(const trace::Result& result, const trace::Scene& scene,
-                              double theta_i, Directions directions);
+                              double theta_i_deg, Directions directions);
 
 }  // namespace umov::surface

@@ -5,194 +5,359 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <utility>
 
-#include "host/brdf/model.hpp"
 #include "host/errors/error.hpp"
-#include "host/optics/refractive_index.hpp"
+#include "host/optics/angles.hpp"
 #include "host/surface/gaussian_heights.hpp"
+#include "host/surface/ground.hpp"
 #include "host/surface/particles.hpp"
-#include "host/surface/scene_table.hpp"
+#include "host/surface/radiance.hpp"
+#include "host/surface/scene_materials.hpp"
 #include "host/toml/parse.hpp"
+#include "host/toml/scene_table.hpp"
 
 namespace umov::surface {
 namespace {
 
 using trace::MaterialId;
+using trace::MediumId;
+
+constexpr double hottest_k = 6000.0;
+// A period that nobody chose holds about so many particles of the sparsest layer.
+constexpr double particles_a_period = 1000.0;
+// … or so many correlation lengths.
+constexpr double lengths_a_period = 48.0;
+constexpr double no_temperature = -1.0;
 
 class Reader {
  public:
-  Reader(SceneTable root, std::uint64_t seed) : root_(std::move(root)), seed_(seed) {}
+  Reader(SceneTable root, Reading reading) : root_(std::move(root)), reading_(reading) {}
 
   Surface read() {
-    std::vector<double> wavelengths = root_.numbers("wavelengths_nm", 100.0, 1e5);
-    for (double& w : wavelengths) w *= 1e-3;
-    count_ = wavelengths.size();
-    Surface surface{trace::Scene(std::move(wavelengths)), {}};
-    period_ = root_.number("period_um", 1e-3, 1e7);
-    surface.scene.size_x = surface.scene.size_y = period_;
-    read_ground(surface.scene);
-    std::vector<Disc> placed;
-    for (SceneTable& particles : root_.tables("particles")) {
-      read_particles(particles, surface, placed);
+    SceneTable about = root_.table("surface");
+    wavelengths_ = about.numbers("wavelengths_um", 0.1, 100.0);
+    for (std::size_t i = 1; i < wavelengths_.size(); ++i) {
+      if (wavelengths_[i] <= wavelengths_[i - 1]) {
+        about.fail("wavelengths_um", "does not rise", "sort it, each wavelength once");
+      }
     }
-    if (root_.has("film")) read_film(surface);
+    Surface surface{trace::Scene(wavelengths_), {}, 0.0, {}, 0, {}, {}};
+    if (about.has("theta_i_deg")) {
+      surface.theta_i_deg = about.numbers("theta_i_deg", 0.0, 89.999);
+    }
+    read_period(about, surface.scene);
+    about.refuse_unknown();
+    if (root_.has("emission"))
+      background_k_ = root_.table("emission")
+                          .number("temperature_k", 1.0, hottest_k, std::optional<double>(300.0));
+    set_temperature(trace::vacuum, true, no_temperature);
+    read_substrate(surface);
+    read_materials();
+
+    std::vector<SceneTable> spheres = root_.tables("particles");
+    std::vector<SceneTable> drops = root_.tables("drops");
+    const bool film = root_.has("film");
+    const bool on_film = film && root_.table("film").text("particles", {"in", "on"}, "in") == "on";
+    // Of bodies that overlap, the later medium is seen: drops on a film do not reach into it; drops
+    // in a film keep their shape.
+    if (film && !on_film) read_film(surface);
+    std::vector<Disc> placed;
+    const double base = on_film ? film_thickness() : 0.0;
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+      read_layer(spheres[i], surface, placed, false, i);
+    }
+    for (std::size_t i = 0; i < drops.size(); ++i) {
+      read_layer(drops[i], surface, placed, true, spheres.size() + i);
+    }
+    if (reading_.part == Part::contaminant && reading_.layer >= spheres.size() + drops.size()) {
+      throw Error("there is no such layer of particles", "choose one that the scene has");
+    }
+    if (on_film) read_film(surface);
+    add_spheres(surface, placed, base);
+    read_emission(surface);
+    read_stop(surface.stop);
     root_.refuse_unknown();
+    for (const auto& [name, table] : materials_) {
+      if (!used_.contains(name)) {
+        materials_.at(name).fail("model", "belongs to a material that nothing is made of",
+                                 "leave the material out, or use it");
+      }
+    }
     surface.scene.check();
     return surface;
   }
 
  private:
-  // Index tables of the program by name, or numbers.
-  trace::Medium read_index(SceneTable& table, const trace::Scene& scene) {
-    trace::Medium medium;
-    if (!table.has("index")) {
-      medium.n = table.spectrum("n", count_, 1e-3, 1e3);
-      medium.kappa = table.has("kappa") ? table.spectrum("kappa", count_, 0.0, 1e9)
-                                        : std::vector<double>(count_, 0.0);
-      return medium;
-    }
-    const auto index = optics::IndexTable::embedded(table.text("index"));
-    for (const double w : scene.wavelengths_um) {
-      medium.n.push_back(index.n(w));
-      medium.kappa.push_back(index.kappa(w));
-    }
-    return medium;
-  }
-
-  trace::Medium read_liquid(SceneTable& table, const trace::Scene& scene) {
-    trace::Medium medium = read_index(table, scene);
-    for (const double n : medium.n) {
-      if (n < 1.0) {
-        table.fail(table.has("n") ? "n" : "index", fmt::format("gives n = {}", n),
-                   "a liquid has an index of at least 1");
+  void read_period(SceneTable& about, trace::Scene& scene) {
+    double preset = 1.0;
+    for (const char* kind : {"particles", "drops"}) {
+      for (SceneTable& table : root_.tables(kind)) {
+        const double radius = table.number("radius_um", 1e-3, 1e6);
+        const double coverage = table.number("coverage", 1e-6, 1.0);
+        preset = std::max(preset, radius * std::sqrt(optics::pi * particles_a_period / coverage));
       }
     }
-    return medium;
-  }
-
-  trace::Material read_model(SceneTable& ground, const trace::Scene& scene) {
-    const brdf::Model model = brdf::Model::by_name(ground.text("model"));
-    std::vector<std::vector<double>> spectra;
-    for (const brdf::Parameter& p : model.parameters()) {
-      spectra.emplace_back(count_, p.initial);
-    }
-    if (ground.has("set")) {
-      SceneTable set = ground.table("set");
-      for (std::size_t i = 0; i < spectra.size(); ++i) {
-        const brdf::Parameter& p = model.parameters()[i];
-        set.know(p.name);
-        if (set.has(p.name)) spectra[i] = set.spectrum(p.name, count_, p.min, p.max);
+    if (root_.has("substrate")) {
+      SceneTable substrate = root_.table("substrate");
+      if (substrate.has("rough")) {
+        const double length = substrate.table("rough").number("correlation_um", 1e-3, 1e6);
+        preset = std::max(preset, lengths_a_period * length);
       }
-      set.refuse_unknown();
     }
-    std::vector<brdf::SpectralValues> values;
-    for (std::size_t w = 0; w < count_; ++w) {
-      values.push_back({{}, scene.wavelengths_um[w]});
-      for (const auto& spectrum : spectra) values.back().values.push_back(spectrum[w]);
-    }
-    return trace::Modelled{brdf::Sampler(model, std::move(values))};
+    if (root_.has("film")) preset = std::max(preset, 8.0 * film_thickness());
+    period_ = about.number("period_um", 1e-3, 1e7, preset);
+    scene.size_x = scene.size_y = period_;
   }
 
-  void read_ground(trace::Scene& scene) {
-    SceneTable ground = root_.table("ground");
-    const std::string kind = ground.text("kind", {"lambertian", "conductor", "model"});
-    MaterialId material = 0;
-    if (kind == "lambertian") {
-      material = scene.add(trace::Lambertian{ground.spectrum("albedo", count_, 0.0, 1.0)});
-    } else if (kind == "conductor") {
-      const trace::Medium metal = read_index(ground, scene);
-      material = scene.add(trace::Conductor{metal.n, metal.kappa});
-    } else {
-      material = scene.add(read_model(ground, scene));
-    }
-    rough_ = ground.has("rough");
-    if (rough_) {
-      if (kind == "model") {
-        ground.fail("rough", "does not go with a model, which is rough by itself", "leave it out");
-      }
-      SceneTable rough = ground.table("rough");
-      const double slope = rough.number("slope_rms", 0.0, 3.0);
-      const double correlation = rough.number("correlation_um", 1e-6 * period_, period_);
-      const auto cells = static_cast<std::size_t>(rough.number("cells", 8.0, 4096.0, 512.0));
-      rough.refuse_unknown();
-      scene.add_height_field(cells, cells,
-                             gaussian_heights(cells, period_, correlation, slope, seed_), material);
-    } else {
-      scene.add_plane(0.0, material);
-    }
-    ground.refuse_unknown();
+  double film_thickness() { return root_.table("film").number("thickness_um", 1e-6, 1e6); }
+
+  // Temperatures are kept by material and by medium until all of both are known.
+  void set_temperature(std::uint32_t id, bool medium, double kelvin) {
+    auto& list = medium ? media_k_ : materials_k_;
+    list.resize(std::max<std::size_t>(list.size(), id + 1), background_k_);
+    list[id] = kelvin;
+  }
+  double read_temperature(SceneTable& table) {
+    return table.number("temperature_k", 1.0, hottest_k, background_k_);
   }
 
-  void read_particles(SceneTable& table, Surface& surface, std::vector<Disc>& placed) {
-    if (rough_) {
-      table.fail("kind", "lies on rough ground", "particles need flat ground: leave out rough");
-    }
+  MaterialId add(trace::Scene& scene, trace::Material material, double kelvin) {
+    const MaterialId id = scene.add(std::move(material));
+    set_temperature(id, false, kelvin);
+    return id;
+  }
+  MaterialId add_liquid(trace::Scene& scene, SceneTable& table) {
+    const MediumId liquid = scene.add(read_liquid(table, wavelengths_));
+    const double kelvin = read_temperature(table);
+    set_temperature(liquid, true, kelvin);
+    return add(scene, trace::Interface{liquid}, kelvin);
+  }
+
+  void read_substrate(Surface& surface) {
+    SceneTable substrate = root_.table("substrate");
     trace::Scene& scene = surface.scene;
-    const std::string kind = table.text("kind", {"soil", "drop"});
-    MaterialId material = 0;
-    double contact = 180.0;
-    if (kind == "soil") {
-      material = scene.add(trace::Lambertian{table.spectrum("albedo", count_, 0.0, 1.0)});
-    } else {
-      contact = table.number("contact_angle_deg", 1.0, 180.0);
-      const trace::MediumId liquid = scene.add(read_liquid(table, scene));
-      material = scene.add(trace::Interface{trace::vacuum, liquid});
+    const bool modelled =
+        substrate.text("model") != "fresnel" && substrate.text("model") != "lambertian";
+    surface.ground =
+        add(scene, read_material(substrate, wavelengths_), read_temperature(substrate));
+    if (!substrate.has("rough")) {
+      scene.add_plane(0.0, surface.ground);
+      substrate.refuse_unknown();
+      return;
     }
-    const Sizes sizes{table.number("diameter_um", 1e-6 * period_, period_),
-                      table.number("spread", 1.0, 3.0, 1.0)};
-    const double coverage = table.number("coverage", 0.0, 1.0);
+    if (modelled) {
+      substrate.fail("rough", "does not go with a model, which is rough by itself",
+                     "leave it out, or use model = \"fresnel\" or \"lambertian\"");
+    }
+    SceneTable rough = substrate.table("rough");
+    const double correlation = rough.number("correlation_um", 1e-6 * period_, period_);
+    if (rough.has("slope_rms") == rough.has("height_rms_um")) {
+      rough.fail("slope_rms", "and height_rms_um: exactly one of them must be given",
+                 "the slope is √2 times the height over the correlation length");
+    }
+    const double slope =
+        rough.has("slope_rms")
+            ? rough.number("slope_rms", 0.0, 3.0)
+            : std::sqrt(2.0) * rough.number("height_rms_um", 0.0, 2.0 * correlation) / correlation;
+    const double enough = std::ceil(6.0 * period_ / correlation);
+    const auto cells =
+        static_cast<std::size_t>(rough.number("cells", 8.0, 4096.0, std::min(enough, 1024.0)));
+    rough.refuse_unknown();
+    substrate.refuse_unknown();
+    try {
+      auto heights = gaussian_heights(cells, period_, correlation, slope, reading_.seed);
+      scene.add_height_field(cells, cells, heights, surface.ground);
+      ground_ = Ground(std::move(heights), cells, period_);
+    } catch (const Error& e) {
+      substrate.fail("rough", "cannot be made: " + e.problem(), e.remedy());
+    }
+  }
+
+  void read_materials() {
+    if (!root_.has("materials")) return;
+    SceneTable all = root_.table("materials");
+    for (const auto& [key, value] : all.toml()) {
+      const std::string name(key.str());
+      all.know(name);
+      materials_.emplace(name, all.table(name));
+    }
+  }
+
+  trace::Material named_material(SceneTable& user, const std::string& name, double& kelvin) {
+    if (const auto found = materials_.find(name); found != materials_.end()) {
+      used_.insert(name);
+      trace::Material material = read_material(found->second, wavelengths_);
+      kelvin = read_temperature(found->second);
+      found->second.refuse_unknown();
+      return material;
+    }
+    kelvin = background_k_;
+    std::string names;
+    for (const std::string& soil_name : known_soils()) {
+      if (soil_name == name) {
+        try {
+          return soil(name, wavelengths_);
+        } catch (const Error& e) {
+          user.fail("material", "is '" + name + "': " + e.problem(), e.remedy());
+        }
+      }
+      names += soil_name + ", ";
+    }
+    for (const auto& [known, table] : materials_) names += known + ", ";
+    user.fail("material", "is '" + name + "', which is unknown",
+              "choose one of: " + names + "or describe it in [materials." + name + "]");
+  }
+
+  Laying read_laying(SceneTable& table) {
+    static const std::map<std::string, Layout> layouts{{"random", Layout::random},
+                                                       {"poisson-disk", Layout::poisson_disk},
+                                                       {"cluster", Layout::cluster},
+                                                       {"grid", Layout::grid}};
+    Laying laying{};
+    laying.sizes = {2.0 * table.number("radius_um", 0.5e-6 * period_, period_),
+                    table.number("spread", 1.0, 3.0, 1.0)};
+    laying.coverage = table.number("coverage", 1e-6, 1.0) * reading_.coverage_scale;
+    laying.layout =
+        layouts.at(table.text("layout", {"random", "poisson-disk", "cluster", "grid"}, "random"));
+    laying.overlap = table.flag("overlap", false);
+    if (laying.layout == Layout::cluster) {
+      laying.cluster_size = table.number("cluster_size", 1.0, 1e6, laying.cluster_size);
+      laying.cluster_radius = table.number("cluster_radius_um", 0.0, period_, 0.0);
+    }
+    return laying;
+  }
+
+  void read_layer(SceneTable& table, Surface& surface, std::vector<Disc>& placed, bool drops,
+                  std::size_t number) {
+    trace::Scene& scene = surface.scene;
+    double contact = 180.0;
+    const Laying laying = read_laying(table);
+    if (drops) {
+      contact = table.number("contact_angle_deg", 1.0, 180.0);
+    } else {
+      table.text("kind", {"sphere"}, "sphere");
+    }
+    MaterialId material = 0;
+    const bool wanted = reading_.part == Part::whole ||
+                        (reading_.part == Part::contaminant && reading_.layer == number);
+    if (drops) {
+      if (wanted) material = add_liquid(scene, table);
+      for (const char* key : {"index", "n", "kappa", "temperature_k"}) table.know(key);
+    } else {
+      double kelvin = 0.0;
+      auto described = named_material(table, table.text("material"), kelvin);
+      if (wanted) material = add(scene, std::move(described), kelvin);
+    }
     table.refuse_unknown();
+    if (!wanted) return;
+    if (reading_.part == Part::contaminant) {
+      if (!drops) scene.meshes.clear();
+      scene.add_plane(drops ? 0.01 * period_ : 0.0, material);
+      return;
+    }
 
     const std::size_t before = placed.size();
-    scatter(placed, sizes, coverage, period_, seed_ + 1 + surface.layers.size());
-    Layer layer{kind, placed.size() - before, 0.0};
-    // The disc is what is seen from above: the whole sphere from 90° on, else the cap's base.
-    const double angle = optics::radians(contact);
-    for (std::size_t i = before; i < placed.size(); ++i) {
-      const Disc& disc = placed[i];
-      const double radius = contact < 90.0 ? disc.radius / std::sin(angle) : disc.radius;
-      layer.coverage += optics::pi * disc.radius * disc.radius / (period_ * period_);
-      trace::Sphere sphere{trace::Vec3(disc.x, disc.y, -radius * std::cos(angle)), radius,
-                           material};
-      if (contact < 180.0) sphere.base_z = 0.0;
-      scene.spheres.push_back(sphere);
+    try {
+      lay(placed, laying, period_, reading_.seed + 1 + surface.layers.size());
+    } catch (const Error& e) {
+      table.fail("coverage", "cannot be laid: " + e.problem(), e.remedy());
     }
-    surface.layers.push_back(layer);
+    surface.layers.push_back({drops ? "drop" : "sphere", placed.size() - before, 0.0, material});
+    contact_.push_back(optics::radians(contact));
+  }
+
+  // Once all discs are where they stay.
+  void add_spheres(Surface& surface, const std::vector<Disc>& placed, double base) {
+    std::size_t next = 0;
+    for (std::size_t l = 0; l < surface.layers.size(); ++l) {
+      Layer& layer = surface.layers[l];
+      const auto first = placed.begin() + static_cast<std::ptrdiff_t>(next);
+      layer.coverage =
+          covered_share({first, first + static_cast<std::ptrdiff_t>(layer.count)}, period_);
+      const double cosine = std::cos(contact_[l]);
+      for (const std::size_t end = next + layer.count; next < end; ++next) {
+        // The disc is what is seen from above: the whole sphere from 90° on, else the cap's base.
+        const Disc& disc = placed[next];
+        const bool whole = cosine <= -1.0;
+        const double radius = cosine > 0.0 ? disc.radius / std::sin(contact_[l]) : disc.radius;
+        double z = base - radius * cosine;
+        if (ground_.rough() && base == 0.0) {
+          z = whole ? ground_.rest(disc.x, disc.y, radius)
+                    : ground_.level(disc.x, disc.y, disc.radius) - radius * cosine;
+        }
+        trace::Sphere sphere{trace::Vec3(disc.x, disc.y, z), radius, layer.material};
+        if (!whole && !ground_.rough()) sphere.base_z = 0.0;
+        surface.scene.spheres.push_back(sphere);
+      }
+    }
+    surface.covered = placed.empty() ? 0.0 : covered_share(placed, period_);
   }
 
   void read_film(Surface& surface) {
     SceneTable film = root_.table("film");
-    trace::Scene& scene = surface.scene;
-    const double thickness = film.number("thickness_um", 1e-6 * period_, period_);
-    const trace::MediumId liquid = scene.add(read_liquid(film, scene));
+    film.know("particles");
+    const double thickness = film.number("thickness_um", 1e-6, period_);
+    const MaterialId skin = add_liquid(surface.scene, film);
     film.refuse_unknown();
-    if (!scene.spheres.empty() || rough_) {
-      root_.fail("film", "lies over particles or rough ground", "a film needs bare flat ground");
+    if (reading_.part != Part::contaminant) surface.scene.add_plane(thickness, skin);
+  }
+
+  void read_emission(Surface& surface) {
+    if (!root_.has("emission")) return;
+    SceneTable table = root_.table("emission");
+    table.know("temperature_k");
+    Emission emission;
+    materials_k_.resize(surface.scene.materials.size(), background_k_);
+    media_k_.resize(surface.scene.media.size(), background_k_);
+    emission.temperature_k = materials_k_;
+    emission.temperature_k.insert(emission.temperature_k.end(), media_k_.begin(), media_k_.end());
+    emission.temperature_k[surface.scene.materials.size() + trace::vacuum] = 0.0;
+    emission.sky_k = table.number("sky_temperature_k", 0.0, hottest_k, 0.0);
+    if (table.has("sun_theta_deg")) {
+      emission.sun_theta_deg = table.number("sun_theta_deg", 0.0, 89.999);
+      emission.sun_phi_deg = table.number("sun_phi_deg", -360.0, 360.0, 180.0);
+      const double share = table.number("sun_transmittance", 0.0, 1.0, 1.0);
+      for (const double w : wavelengths_) emission.sun.push_back(share * sun_irradiance(w));
     }
-    scene.add_plane(thickness, scene.add(trace::Interface{trace::vacuum, liquid}));
+    table.refuse_unknown();
+    surface.emission = std::move(emission);
+  }
+
+  void read_stop(Stop& stop) {
+    if (!root_.has("stop")) return;
+    SceneTable table = root_.table("stop");
+    stop.dhr_relative_error = table.number("dhr_relative_error", 1e-6, 1.0, 0.0);
+    stop.rays = table.number("max_rays", 1.0, 1e15, 0.0);
+    table.refuse_unknown();
   }
 
   SceneTable root_;
-  std::uint64_t seed_;
-  std::size_t count_ = 0;
+  Reading reading_;
+  std::vector<double> wavelengths_;
   double period_ = 0.0;
-  bool rough_ = false;
+  double background_k_ = 300.0;
+  std::vector<double> materials_k_, media_k_;
+  std::map<std::string, SceneTable> materials_;
+  std::set<std::string> used_;
+  std::vector<double> contact_;  // radians, by layer
+  Ground ground_;
 };
 
 }  // namespace
 
-Surface surface_from_toml(std::string_view text, const std::string& file, std::uint64_t seed) {
+Surface surface_from_toml(std::string_view text, const std::string& file, const Reading& reading) {
   const toml::table table = parse_toml(text, file, "see host/surface/README.md for scene files");
-  return Reader(SceneTable(table, file, ""), seed).read();
+  return Reader(SceneTable(table, file, ""), reading).read();
 }
 
-Surface read_surface(const std::filesystem::path& path, std::uint64_t seed) {
+Surface read_surface(const std::filesystem::path& path, const Reading& reading) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw Error(Place{path.string()}, "cannot be read", "check its name");
   const std::string text((std::istreambuf_iterator<char>(stream)),
                          std::istreambuf_iterator<char>());
-  return surface_from_toml(text, path.string(), seed);
+  return surface_from_toml(text, path.string(), reading);
 }
 
 }  // namespace umov::surface

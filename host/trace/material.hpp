@@ -22,6 +22,8 @@ struct Medium {
 
 /// The medium that every scene has: vacuum.
 inline constexpr MediumId vacuum = 0;
+/// A scene has no more media than this: each path counts the bodies that it is in, by medium.
+inline constexpr std::size_t most_media = 12;
 
 /// Depolarises; exit directions follow the cosine in the medium in front.
 struct Lambertian {
@@ -33,9 +35,12 @@ struct Conductor {
   std::vector<double> n, kappa;
 };
 
-/// A smooth face between two media. `front` is where the face's normal points to.
+/// The smooth skin of a body of one medium, which lies behind the face (where its normal does not
+/// point to). Bodies may overlap: where several do, there is that of the highest MediumId, and the
+/// others' skins are not there. So drops of one liquid flow together, and a film may stand round
+/// the foot of a drop.
 struct Interface {
-  MediumId front, back;
+  MediumId inside;
 };
 
 /// A flat face with a model of the library; its sampler has been made for the scene's wavelengths.

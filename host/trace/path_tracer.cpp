@@ -55,6 +55,7 @@ void Ledger::add(const Ledger& other) {
   behind_opaque += other.behind_opaque;
   in_wrong_medium += other.in_wrong_medium;
   endless += other.endless;
+  creases += other.creases;
 }
 
 PathTracer::PathTracer(const Scene& scene, const Geometry& geometry)
@@ -65,16 +66,14 @@ PathTracer::PathTracer(const Scene& scene, const Geometry& geometry)
       attenuation_.push_back(4.0 * optics::pi * medium.kappa[i] / scene.wavelengths_um[i]);
     }
   }
-  for (const Material& material : scene.materials) {
-    bool splits = false;
-    if (const auto* face = std::get_if<Interface>(&material)) {
-      const Medium& a = scene.media[face->front];
-      const Medium& b = scene.media[face->back];
+  for (const Medium& a : scene.media) {
+    for (const Medium& b : scene.media) {
+      bool splits = false;
       for (std::size_t i = 1; i < count; ++i) {
         splits = splits || std::abs(a.n[i] * b.n[0] - a.n[0] * b.n[i]) > 1e-12 * a.n[0] * b.n[0];
       }
+      dispersive_.push_back(splits);
     }
-    dispersive_.push_back(splits);
   }
 }
 
@@ -96,6 +95,17 @@ struct PathTracer::Run {
 
   Mueller<double>& weight(std::size_t wavelength) const { return space.weight[wavelength]; }
 
+  // What `owner` takes of the light of a wavelength: all that is in `before` and not in `after`.
+  void keep(std::size_t owner, std::size_t wavelength, const Mueller<double>& before,
+            const Mueller<double>& after) const {
+    ledger.absorbed[wavelength] += before[0][0] - after[0][0];
+    if (!collector.watches_absorption()) return;
+    collector.absorb({owner,
+                      wavelength,
+                      {before[0][0] - after[0][0], before[1][0] - after[1][0],
+                       before[2][0] - after[2][0], before[3][0] - after[3][0]}});
+  }
+
   // The path's light is lost; never silently.
   void lose(const Path& path, std::uint64_t& reason) const {
     ++reason;
@@ -105,6 +115,8 @@ struct PathTracer::Run {
   }
 
   void leave(const Path& path) const {
+    // No body reaches up to where light leaves.
+    if (path.medium != vacuum && path.beam.k.z > 0.0) return lose(path, ledger.in_wrong_medium);
     const Beam<double> out = optics::beam_along(path.beam.k);
     const optics::DoubleAngle<double> turn = optics::rotation_to(path.beam, out.s);
     for (std::size_t i = path.first; i < path.first + path.count; ++i) {
@@ -126,6 +138,14 @@ struct PathTracer::Run {
 
   void head(Path& path, const Vec3& s, const Vec3& k) const { path.beam = {s, cross(k, s), k}; }
 
+  // A path may start just behind a face where two of them meet, for single precision chooses
+  // between neighbours. It then leaves through that face as if it were not there.
+  bool at_crease(const Path& path, const Hit& hit) const {
+    const double cosine = dot(path.beam.k, hit.normal);
+    return cosine > 0.0 && hit.distance * cosine <= 0.1 * tracer.geometry_.head_start() &&
+           !std::holds_alternative<Interface>(tracer.scene_.materials[hit.material]);
+  }
+
   // To the next face, over as many periods as it takes. Nothing: the path has ended.
   std::optional<Hit> advance(Path& path) const {
     const Scene& scene = tracer.scene_;
@@ -142,7 +162,7 @@ struct PathTracer::Run {
       return hit;
     }
     const Vec3& k = path.beam.k;
-    for (;; ++path.periods) {
+    for (;; ++path.periods) {  // crossings of creases count as periods too
       if (path.periods > endless_after) {
         lose(path, ledger.endless);
         return std::nullopt;
@@ -157,6 +177,11 @@ struct PathTracer::Run {
       const double edge = std::min(wall_x, wall_y);
       ++ledger.rays;
       auto hit = tracer.geometry_.nearest(path.origin, k, edge);
+      if (hit && at_crease(path, *hit)) {
+        ++ledger.creases;
+        path.origin += hit->distance * k;
+        continue;
+      }
       if (hit) {
         fade(path, hit->distance);
         path.origin = hit->position;
@@ -180,9 +205,9 @@ struct PathTracer::Run {
     const double* rate = &tracer.attenuation_[path.medium * space.weight.size()];
     for (std::size_t i = path.first; i < path.first + path.count; ++i) {
       if (rate[i] == 0.0) continue;
-      const double before = weight(i)[0][0];
+      const Mueller<double> before = weight(i);
       weight(i) *= std::exp(-rate[i] * length);
-      ledger.absorbed[i] += before - weight(i)[0][0];
+      keep(tracer.scene_.materials.size() + path.medium, i, before, weight(i));
     }
   }
 
@@ -192,9 +217,10 @@ struct PathTracer::Run {
     if (dot(path.beam.k, hit.normal) >= 0.0) return behind(path);
     for (std::size_t i = path.first; i < path.first + path.count; ++i) {
       Mueller<double>& m = weight(i);
+      const Mueller<double> before = m;
       const double albedo = material.albedo[i];
-      ledger.absorbed[i] += (1.0 - albedo) * m[0][0];
       for (int c = 0; c < 4; ++c) m[c] = optics::Stokes<double>(albedo * m[c][0], 0.0, 0.0, 0.0);
+      keep(hit.material, i, before, m);
     }
     const Vec3 x = any_across(hit.normal);
     const Vec3 y = cross(hit.normal, x);
@@ -216,10 +242,10 @@ struct PathTracer::Run {
     for (std::size_t i = path.first; i < path.first + path.count; ++i) {
       const RelativeIndex index =
           relative_index(medium.n[i], medium.kappa[i], material.n[i], material.kappa[i]);
-      const double before = weight(i)[0][0];
+      const Mueller<double> before = weight(i);
       weight(i) = specular_product(
-          optics::fresnel_reflection(index.n, index.kappa, std::min(1.0, cosine)), 1.0, weight(i));
-      ledger.absorbed[i] += before - weight(i)[0][0];
+          optics::fresnel_reflection(index.n, index.kappa, std::min(1.0, cosine)), 1.0, before);
+      keep(hit.material, i, before, weight(i));
     }
     reflect(path, hit.normal, cosine);
     return true;
@@ -235,17 +261,27 @@ struct PathTracer::Run {
     return false;
   }
 
+  static MediumId uppermost(const Path& path) {
+    MediumId medium = most_media - 1;
+    while (medium > vacuum && path.inside[medium] == 0) --medium;
+    return medium;
+  }
+
   // Reflection or transmission, in proportion to their powers for unpolarised launched light: that
   // of one wavelength then keeps its m00 exactly, and no element of its matrix can exceed it.
   bool meet(const Interface& face, Path& path, const Hit& hit,
             const std::array<double, 4>& u) const {
     const bool from_front = dot(path.beam.k, hit.normal) < 0.0;
-    const MediumId here = from_front ? face.front : face.back;
-    const MediumId there = from_front ? face.back : face.front;
-    if (here != path.medium) {
+    std::uint16_t& bodies = path.inside[face.inside];
+    if (!from_front && bodies == 0) {
       lose(path, ledger.in_wrong_medium);
       return false;
     }
+    const std::uint16_t bodies_here = bodies;
+    bodies = static_cast<std::uint16_t>(from_front ? bodies + 1 : bodies - 1);
+    const MediumId here = path.medium;
+    const MediumId there = uppermost(path);
+    if (here == there) return true;  // covered by another body
     const Vec3 normal = from_front ? hit.normal : -hit.normal;
     const double cosine = std::min(1.0, -dot(path.beam.k, normal));
     turn_to(path, across(path.beam, normal));
@@ -264,19 +300,26 @@ struct PathTracer::Run {
       for (std::size_t i = path.first; i < path.first + path.count; ++i) {
         weight(i) = specular_product(space.reflection[i], 1.0 / share, weight(i));
       }
+      bodies = bodies_here;
       reflect(path, normal, cosine);
       return true;
     }
     for (std::size_t i = path.first; i < path.first + path.count; ++i) {
       weight(i) =
           specular_product(transmission(space.reflection[i]), 1.0 / (1.0 - share), weight(i));
+      // Where reflection is total but for absorption, nothing travels on the other side.
+      const double ratio = a.n[i] / b.n[i];
+      if (ratio * ratio * (1.0 - cosine * cosine) >= 1.0) {
+        keep(tracer.scene_.materials.size() + there, i, weight(i), Mueller<double>(0.0));
+        weight(i) = Mueller<double>(0.0);
+      }
     }
     path.medium = there;
     const Beam<double> arriving = path.beam;
     const auto send = [&](Path& part, std::size_t i) {
       head(part, arriving.s, refracted(arriving.k, normal, cosine, a.n[i] / b.n[i]));
     };
-    if (path.count > 1 && tracer.dispersive_[hit.material] != 0) {
+    if (path.count > 1 && tracer.dispersive_[here * tracer.scene_.media.size() + there] != 0) {
       for (std::size_t i = path.first; i < path.first + path.count; ++i) {
         if (!(weight(i)[0][0] > 0.0)) continue;
         Path part = path;
@@ -288,7 +331,7 @@ struct PathTracer::Run {
       return false;
     }
     send(path, path.first);
-    return true;
+    return weight(path.first)[0][0] > 0.0;
   }
 
   bool meet(const Modelled& material, Path& path, const Hit& hit,
@@ -304,14 +347,14 @@ struct PathTracer::Run {
     const double theta = std::min(std::atan2(sine, cosine), 0.5 * optics::pi * (1.0 - 1e-12));
     const auto drawn = material.sampler.sample(theta, u[0], u[1], u[2], path.first);
     for (std::size_t i = path.first; i < path.first + path.count; ++i) {
-      const double before = weight(i)[0][0];
+      const Mueller<double> before = weight(i);
       if (!drawn) {
-        ledger.absorbed[i] += before;
+        keep(hit.material, i, before, Mueller<double>(0.0));
         continue;
       }
       weight(i) = optics::product(
-          i == path.first ? drawn->weight : material.sampler.weight(*drawn, i), weight(i));
-      ledger.absorbed[i] += before - weight(i)[0][0];
+          i == path.first ? drawn->weight : material.sampler.weight(*drawn, i), before);
+      keep(hit.material, i, before, weight(i));
     }
     if (!drawn) return false;
     const double phi = drawn->geometry.phi_r;
@@ -362,7 +405,7 @@ void PathTracer::trace(const Vec3& origin, const Beam<double>& beam, std::uint64
   }
   const Run run{*this, seed, sample, workspace, collector, ledger};
   workspace.open.clear();
-  run.follow({origin, beam, vacuum, 0, count, 0, 0});
+  run.follow({origin, beam, vacuum, {}, 0, count, 0, 0});
   // What the trunk has split into; these split no further.
   while (!workspace.open.empty()) {
     const Workspace::Path part = workspace.open.back();

@@ -6,6 +6,7 @@
 // it, or by Russian roulette, which pays survivors what it takes.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -23,11 +24,25 @@ struct Exit {
   optics::Mueller<double> weight;  ///< share of the launched power; bases as docs/physics.md, 1
 };
 
-/// Where exits go.
+/// Light that stays in the scene.
+struct Absorbed {
+  std::size_t owner;            ///< a MaterialId, or materials.size() + a MediumId
+  std::size_t wavelength;       ///< number in the scene
+  std::array<double, 4> power;  ///< for launched Stokes (I, Q, U, V): a row, as m00 … m03
+};
+
+/// Where light ends.
 class Collector {
  public:
+  /// absorb() is called if `watches_absorption`.
+  explicit Collector(bool watches_absorption = false) : watches_absorption_(watches_absorption) {}
   virtual ~Collector() = default;
   virtual void collect(const Exit& exit) = 0;
+  virtual void absorb(const Absorbed&) {}
+  bool watches_absorption() const { return watches_absorption_; }
+
+ private:
+  bool watches_absorption_;
 };
 
 /// What became of launched light (m00, one value a wavelength), and how much work it was.
@@ -35,12 +50,21 @@ struct Ledger {
   std::vector<double> launched, above, below, absorbed, lost;
   std::uint64_t rays = 0;             ///< searches for the nearest face
   std::uint64_t behind_opaque = 0;    ///< paths that met an opaque face from behind: a leak
-  std::uint64_t in_wrong_medium = 0;  ///< paths that met an interface from a medium it has not
-                                      ///< there: faces that overlap, or a leak
+  std::uint64_t in_wrong_medium = 0;  ///< paths that left a body they had not entered, or
+                                      ///< the scene without leaving a body: a leak
   std::uint64_t endless = 0;          ///< paths given up after 10⁶ meetings or periods
+  std::uint64_t creases = 0;          ///< times a path began behind a face by less than 1e-7 of the
+                                      ///< scene, where faces meet, and was let through; not lost
 
   explicit Ledger(std::size_t wavelengths);
   void add(const Ledger& other);
+  /// All members, for whoever sends or keeps a ledger.
+  std::array<std::vector<double>*, 5> sums() {
+    return {&launched, &above, &below, &absorbed, &lost};
+  }
+  std::array<std::uint64_t*, 5> counts() {
+    return {&rays, &behind_opaque, &in_wrong_medium, &endless, &creases};
+  }
 };
 
 /// May be shared by threads, which need a Workspace each.
@@ -59,7 +83,8 @@ class PathTracer {
       Vec3 origin;
       optics::Beam<double> beam;
       MediumId medium;
-      std::size_t first, count;  // wavelengths
+      std::array<std::uint16_t, most_media> inside;  // bodies the path is in, by medium
+      std::size_t first, count;                      // wavelengths
       std::uint32_t meetings, periods;
     };
     std::vector<optics::Mueller<double>> weight;  // by wavelength
@@ -81,7 +106,7 @@ class PathTracer {
   const Scene& scene_;
   const Geometry& geometry_;
   std::vector<double> attenuation_;  // by medium and wavelength: 4πκ/λ
-  std::vector<char> dispersive_;     // by material
+  std::vector<char> dispersive_;     // by medium and medium
 };
 
 }  // namespace umov::trace

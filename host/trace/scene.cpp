@@ -47,8 +47,8 @@ struct CheckMaterial {
     check_spectrum(m.kappa, count, 0.0, unlimited, name + ": kappa");
   }
   void operator()(const Interface& m) const {
-    if (m.front >= scene.media.size() || m.back >= scene.media.size()) {
-      refuse(name + ": one of its media is unknown", "add the medium first");
+    if (m.inside == vacuum || m.inside >= scene.media.size()) {
+      refuse(name + ": its medium is unknown, or vacuum", "add the medium first");
     }
   }
   void operator()(const Modelled& m) const {
@@ -135,6 +135,9 @@ void Scene::check() const {
   check_spectrum(wavelengths_um, count, 1e-3, 1e3, "a wavelength in micrometres");
   if (!(size_x > 0.0) || !(size_y > 0.0)) {
     refuse(fmt::format("its domain is {} × {}", size_x, size_y), "both sizes must be above 0");
+  }
+  if (media.size() > most_media) {
+    refuse(fmt::format("it has {} media", media.size()), fmt::format("use at most {}", most_media));
   }
   for (std::size_t i = 0; i < media.size(); ++i) {
     check_spectrum(media[i].n, count, least_index, unlimited, fmt::format("medium {}: n", i));

@@ -17,27 +17,33 @@ using optics::Mueller;
 
 namespace {
 
-// Blocks traced between two additions. Part of the meaning of `samples`, so it is no option.
+// Blocks between two decisions to stop. Part of the meaning of `samples`, so it is no option.
 constexpr std::size_t wave = 16;
 
-// Exits of one block.
+// What one block gives.
 class Block : public Collector {
  public:
-  Block(const Hemisphere& hemisphere, std::size_t wavelengths)
-      : cells(hemisphere.size() * wavelengths),
+  Block(const Hemisphere& hemisphere, std::size_t wavelengths, std::size_t owners,
+        std::uint32_t most_meetings)
+      : Collector(owners > 0),
+        cells(hemisphere.size() * wavelengths),
         all(wavelengths),
+        absorbed(owners * wavelengths),
         ledger(wavelengths),
         hemisphere_(hemisphere),
-        wavelengths_(wavelengths) {}
+        wavelengths_(wavelengths),
+        most_meetings_(most_meetings > 0 ? most_meetings
+                                         : std::numeric_limits<std::uint32_t>::max()) {}
 
   void clear() {
     std::fill(cells.begin(), cells.end(), Mueller<double>(0.0));
     std::fill(all.begin(), all.end(), Mueller<double>(0.0));
+    std::fill(absorbed.begin(), absorbed.end(), std::array<double, 4>{});
     ledger = Ledger(wavelengths_);
   }
 
   void collect(const Exit& exit) override {
-    if (!(exit.direction.z > 0.0)) return;
+    if (!(exit.direction.z > 0.0) || exit.meetings > most_meetings_) return;
     cells[hemisphere_.find(exit.direction) * wavelengths_ + exit.wavelength] += exit.weight;
     if (const auto strip = hemisphere_.find_in_strip(exit.direction)) {
       cells[*strip * wavelengths_ + exit.wavelength] += exit.weight;
@@ -45,12 +51,44 @@ class Block : public Collector {
     all[exit.wavelength] += exit.weight;
   }
 
+  void absorb(const Absorbed& a) override {
+    for (std::size_t c = 0; c < 4; ++c) {
+      absorbed[a.owner * wavelengths_ + a.wavelength][c] += a.power[c];
+    }
+  }
+
+  // Appends all numbers to a message, or reads them off one.
+  void pack(std::vector<double>& message) {
+    each_number([&](double& x) { message.push_back(x); });
+    for (std::uint64_t* n : ledger.counts()) message.push_back(static_cast<double>(*n));
+  }
+  const double* unpack(const double* message) {
+    each_number([&](double& x) { x = *message++; });
+    for (std::uint64_t* n : ledger.counts()) *n = static_cast<std::uint64_t>(*message++);
+    return message;
+  }
+
   std::vector<Mueller<double>> cells, all;
+  std::vector<std::array<double, 4>> absorbed;
   Ledger ledger;
 
  private:
+  template <class Visitor>
+  void each_number(const Visitor& visit) {
+    for (auto* matrices : {&cells, &all}) {
+      for (Mueller<double>& m : *matrices) {
+        for (int c = 0; c < 4; ++c) {
+          for (int r = 0; r < 4; ++r) visit(m[c][r]);
+        }
+      }
+    }
+    for (auto& row : absorbed) std::for_each(row.begin(), row.end(), visit);
+    for (auto* sums : ledger.sums()) std::for_each(sums->begin(), sums->end(), visit);
+  }
+
   const Hemisphere& hemisphere_;
   std::size_t wavelengths_;
+  std::uint32_t most_meetings_;
 };
 
 void check(const PathTracer& tracer, const Request& request) {
@@ -68,12 +106,14 @@ void check(const PathTracer& tracer, const Request& request) {
 
 }  // namespace
 
-Result::Result(Hemisphere hemisphere, std::size_t wavelengths)
+Result::Result(Hemisphere hemisphere, std::size_t wavelengths, std::size_t owners)
     : hemisphere_(std::move(hemisphere)),
       ledger_(wavelengths),
       cells_(hemisphere_.size() * wavelengths, {Mueller<double>(0.0), Mueller<double>(0.0)}),
       hemisphere_sums_(wavelengths, {Mueller<double>(0.0), Mueller<double>(0.0)}),
-      dop_products_(wavelengths, 0.0) {}
+      dop_products_(wavelengths, 0.0),
+      owners_(owners),
+      absorbed_(owners * wavelengths) {}
 
 // Block means x: mean and √(Σ(x - mean)²/(B(B - 1))), both times `scale`.
 MuellerEstimate Result::estimate(const Sums& sums, double scale) const {
@@ -114,57 +154,202 @@ Estimate Result::hemispherical_dop(std::size_t wavelength) const {
   return {dop, std::sqrt(std::max(0.0, variance)) / intensity};
 }
 
-Result simulate(const PathTracer& tracer, const Hemisphere& hemisphere, const Request& request) {
-  check(tracer, request);
-  const Scene& scene = tracer.scene();
-  const std::size_t wavelengths = scene.wavelengths_um.size();
-  Result result(hemisphere, wavelengths);
-  result.block_ = static_cast<double>(request.block);
+std::array<Estimate, 4> Result::absorptance(std::size_t owner, std::size_t wavelength) const {
+  const auto& sums = absorbed_.at(owner * hemisphere_sums_.size() + wavelength);
+  const double b = static_cast<double>(blocks_);
+  std::array<Estimate, 4> found{};
+  for (std::size_t c = 0; c < 4; ++c) {
+    const double mean = sums[c] / b;
+    const double spread = std::max(0.0, sums[4 + c] / b - mean * mean);
+    found[c] = {mean / block_, std::sqrt(spread / (b - 1.0)) / block_};
+  }
+  return found;
+}
 
-  // Above the highest face by more than what counts as on it.
-  const double height = tracer.geometry().top() + 1e-3 * std::max(scene.size_x, scene.size_y);
-  const optics::Beam<double> beam = optics::incident_beam(request.theta_i);
-  std::vector<Block> blocks(wave, Block(hemisphere, wavelengths));
-  std::vector<PathTracer::Workspace> workspaces(wave, PathTracer::Workspace(tracer));
+double Result::dhr_relative_error() const {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < hemisphere_sums_.size(); ++i) {
+    const MuellerEstimate e = hemispherical(i);
+    if (e.mean[0][0] > 0.0) worst = std::max(worst, e.error[0][0] / e.mean[0][0]);
+  }
+  return worst;
+}
 
-  while (result.samples_ < request.samples) {
-    for_each_index(wave, request.threads, [&](std::size_t number) {
-      Block& block = blocks[number];
+// The numbers of a state, in its order. Counts are exact up to 2⁵³.
+template <class Visitor>
+void Result::each_number(Visitor visit) {
+  const auto count = [&](std::uint64_t& n) {
+    double x = static_cast<double>(n);
+    visit(x);
+    n = static_cast<std::uint64_t>(x);
+  };
+  count(samples_);
+  count(blocks_);
+  visit(block_);
+  for (auto* all : {&cells_, &hemisphere_sums_}) {
+    for (Sums& sums : *all) {
+      for (auto* m : {&sums.sum, &sums.squares}) {
+        for (int c = 0; c < 4; ++c) {
+          for (int r = 0; r < 4; ++r) visit((*m)[c][r]);
+        }
+      }
+    }
+  }
+  for (double& x : dop_products_) visit(x);
+  for (auto& sums : absorbed_) std::for_each(sums.begin(), sums.end(), visit);
+  for (auto* sums : ledger_.sums()) std::for_each(sums->begin(), sums->end(), visit);
+  for (std::uint64_t* n : ledger_.counts()) count(*n);
+}
+
+std::vector<double> Result::state() const {
+  std::vector<double> numbers;
+  Result copy = *this;
+  copy.each_number([&](double& x) { numbers.push_back(x); });
+  return numbers;
+}
+
+void Result::restore(const std::vector<double>& state) {
+  std::size_t wanted = 0;
+  each_number([&](double&) { ++wanted; });
+  if (state.size() != wanted) {
+    throw Error(
+        fmt::format("the state of a run has {} numbers instead of {}", state.size(), wanted),
+        "continue it with the scene and the options that it was begun with");
+  }
+  std::size_t next = 0;
+  each_number([&](double& x) { x = state[next++]; });
+}
+
+// A simulation on its way: rounds of blocks, each on all threads of all ranks, then added in the
+// order of their numbers by everybody.
+class Run {
+ public:
+  Run(const PathTracer& tracer, const Hemisphere& hemisphere, const Request& request)
+      : tracer_(tracer),
+        request_(request),
+        ranks_(request.team != nullptr ? request.team->size() : 1),
+        rank_(request.team != nullptr ? request.team->rank() : 0),
+        round_(wave * ((ranks_ + wave - 1) / wave)),
+        result_(
+            hemisphere, tracer.scene().wavelengths_um.size(),
+            request.emissivity ? tracer.scene().materials.size() + tracer.scene().media.size() : 0),
+        blocks_(round_,
+                Block(result_.hemisphere_, tracer.scene().wavelengths_um.size(), result_.owners_,
+                      request.most_meetings)),
+        workspaces_(wave, PathTracer::Workspace(tracer)) {
+    result_.block_ = static_cast<double>(request.block);
+  }
+
+  Result take(const std::vector<double>& begun) {
+    if (!begun.empty()) result_.restore(begun);
+    bool go_on = !done();
+    while (go_on) {
+      trace_own();
+      const bool stopped = share();
+      for (std::size_t first = 0; go_on && first < round_; first += wave) {
+        add_wave(first);
+        if (request_.progress) {
+          request_.progress({result_.samples_, result_.dhr_relative_error(), result_});
+        }
+        go_on = !done();
+      }
+      go_on = go_on && !stopped;
+    }
+    return std::move(result_);
+  }
+
+ private:
+  bool done() const {
+    if (result_.samples_ >= request_.samples) return true;
+    if (request_.rays > 0 && result_.ledger_.rays >= request_.rays) return true;
+    // The scatter of fewer blocks than 64 is too vague to stop by.
+    return request_.dhr_relative_error > 0.0 && result_.blocks_ >= 4 * wave &&
+           result_.dhr_relative_error() <= request_.dhr_relative_error;
+  }
+
+  std::size_t own_blocks() const { return (round_ + ranks_ - 1) / ranks_; }
+
+  void trace_own() {
+    const Scene& scene = tracer_.scene();
+    // Above the highest face by more than what counts as on it.
+    const double height = tracer_.geometry().top() + 1e-3 * std::max(scene.size_x, scene.size_y);
+    const optics::Beam<double> beam = optics::incident_beam(request_.theta_i);
+    for_each_index(own_blocks(), request_.threads, [&](std::size_t own) {
+      const std::size_t number = rank_ + own * ranks_;
+      if (number >= round_) return;
+      Block& block = blocks_[number];
       block.clear();
-      const std::uint64_t first = (result.blocks_ + number) * request.block;
-      for (std::uint64_t sample = first; sample < first + request.block; ++sample) {
-        const auto u = uniforms(request.seed, sample, 0);
-        tracer.trace(Vec3(u[0] * scene.size_x, u[1] * scene.size_y, height), beam, request.seed,
-                     sample, workspaces[number], block, block.ledger);
+      const std::uint64_t first = (result_.blocks_ + number) * request_.block;
+      for (std::uint64_t sample = first; sample < first + request_.block; ++sample) {
+        const auto u = uniforms(request_.seed, sample, 0);
+        tracer_.trace(Vec3(u[0] * scene.size_x, u[1] * scene.size_y, height), beam, request_.seed,
+                      sample, workspaces_[own], block, block.ledger);
       }
     });
-    for (const Block& block : blocks) {
-      const auto add = [](Result::Sums& sums, const Mueller<double>& value) {
-        sums.sum += value;
-        for (int c = 0; c < 4; ++c) sums.squares[c] += value[c] * value[c];
-      };
-      for (std::size_t i = 0; i < block.cells.size(); ++i) {
-        if (block.cells[i][0][0] != 0.0) add(result.cells_[i], block.cells[i]);
-      }
-      for (std::size_t i = 0; i < wavelengths; ++i) {
-        add(result.hemisphere_sums_[i], block.all[i]);
-        result.dop_products_[i] += block.all[i][0][0] * block.all[i][0][1];
-      }
-      result.ledger_.add(block.ledger);
-    }
-    result.blocks_ += wave;
-    result.samples_ += wave * request.block;
-
-    double worst = 0.0;
-    for (std::size_t i = 0; i < wavelengths; ++i) {
-      const MuellerEstimate e = result.hemispherical(i);
-      if (e.mean[0][0] > 0.0) worst = std::max(worst, e.error[0][0] / e.mean[0][0]);
-    }
-    if (request.progress) request.progress({result.samples_, worst});
-    // The scatter of fewer blocks than 64 is too vague to stop by.
-    if (worst <= request.dhr_relative_error && result.blocks_ >= 4 * wave) break;
   }
-  return result;
+
+  // Everybody gets all blocks. Whether one of the ranks is asked to stop.
+  bool share() {
+    const bool stop = request_.stop && request_.stop();
+    if (ranks_ == 1) return stop;
+    std::vector<double> message{stop ? 1.0 : 0.0};
+    for (std::size_t own = 0; own < own_blocks(); ++own) {
+      // Where ranks have not equally many blocks, the last one of some is sent for its length only.
+      blocks_[std::min(rank_ + own * ranks_, round_ - 1)].pack(message);
+    }
+    const std::vector<double> all = request_.team->gather(message);
+    const double* next = all.data();
+    bool stopped = false;
+    Block unused = blocks_.front();
+    for (std::size_t rank = 0; rank < ranks_; ++rank) {
+      stopped = stopped || *next > 0.0;
+      ++next;
+      for (std::size_t own = 0; own < own_blocks(); ++own) {
+        const std::size_t number = rank + own * ranks_;
+        next = (number < round_ ? blocks_[number] : unused).unpack(next);
+      }
+    }
+    return stopped;
+  }
+
+  void add_wave(std::size_t first) {
+    const auto add = [](Result::Sums& sums, const Mueller<double>& value) {
+      sums.sum += value;
+      for (int c = 0; c < 4; ++c) sums.squares[c] += value[c] * value[c];
+    };
+    for (std::size_t number = first; number < first + wave; ++number) {
+      const Block& block = blocks_[number];
+      for (std::size_t i = 0; i < block.cells.size(); ++i) {
+        if (block.cells[i][0][0] != 0.0) add(result_.cells_[i], block.cells[i]);
+      }
+      for (std::size_t i = 0; i < block.all.size(); ++i) {
+        add(result_.hemisphere_sums_[i], block.all[i]);
+        result_.dop_products_[i] += block.all[i][0][0] * block.all[i][0][1];
+      }
+      for (std::size_t i = 0; i < block.absorbed.size(); ++i) {
+        for (std::size_t c = 0; c < 4; ++c) {
+          result_.absorbed_[i][c] += block.absorbed[i][c];
+          result_.absorbed_[i][4 + c] += block.absorbed[i][c] * block.absorbed[i][c];
+        }
+      }
+      result_.ledger_.add(block.ledger);
+    }
+    result_.blocks_ += wave;
+    result_.samples_ += wave * request_.block;
+  }
+
+  const PathTracer& tracer_;
+  const Request& request_;
+  const std::size_t ranks_, rank_, round_;
+  Result result_;
+  std::vector<Block> blocks_;  // of a round, by number
+  std::vector<PathTracer::Workspace> workspaces_;
+};
+
+Result simulate(const PathTracer& tracer, const Hemisphere& hemisphere, const Request& request,
+                const std::vector<double>& begun) {
+  check(tracer, request);
+  return Run(tracer, hemisphere, request).take(begun);
 }
 
 }  // namespace umov::trace

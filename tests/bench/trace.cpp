@@ -74,7 +74,7 @@ Scene drops(std::size_t side, std::size_t count) {
     water.n.push_back(1.324 + 0.0031 / (wavelength * wavelength));
     water.kappa.push_back(0.0);
   }
-  strew(scene, side, scene.add(Interface{vacuum, scene.add(std::move(water))}));
+  strew(scene, side, scene.add(Interface{scene.add(std::move(water))}));
   return scene;
 }
 

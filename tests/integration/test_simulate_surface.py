@@ -2,22 +2,27 @@
 
 import json
 import math
+import os
+import shutil
+import signal
+import subprocess
+import time
 import unittest
 
 import h5py
 
-from umov_case import SOURCE, UmovCase
+from umov_case import SOURCE, UMOV, UmovCase
 
-PAINT = """wavelengths_nm = [500, 700]
-period_um = 100
-[ground]
-kind = "lambertian"
-albedo = [0.2, 0.6]
+PAINT = """[surface]
+wavelengths_um = [0.5, 0.7]
+period_um = 200
+[substrate]
+model = "lambertian"
+rho = [0.2, 0.6]
 """
 SOIL = """[[particles]]
-kind = "soil"
-albedo = 0.5
-diameter_um = 20
+material = "dry_soil"
+radius_um = 10
 coverage = 0.3
 """
 
@@ -58,15 +63,108 @@ class SimulateSurface(UmovCase):
         self.assertNotEqual(dhr("--seed", 1), dhr("--seed", 2))
 
     def test_the_example_runs_and_its_hemisphere_can_be_exported(self):
-        self.must("simulate", "surface", SOURCE / "examples/surfaces/wet-dirt.toml", "--theta-i", 20, "--relative-error", 2,
+        self.must("simulate", "surface", SOURCE / "examples/surfaces/wet-dirt.toml", "--theta-i", "20,60", "--relative-error", 2,
                   "-o", "wet.h5", "--quiet")
         self.must("export", "wet.h5", "-o", "wet.csv")
+        with h5py.File(self.folder / "wet.h5") as file:
+            for group, theta in (("hemisphere", 20), ("hemisphere_2", 60)):
+                f = file[group + "/mueller"][:]
+                solid = file[group + "/solid_angle_sr"][:]
+                cosine = [math.cos(math.radians(t)) for t in file[group + "/theta_r_deg"][:]]
+                self.assertEqual(file[group].attrs["theta_i_deg"], theta)
+                self.assertEqual(f.shape, (len(solid), 11, 16))
+                dhr = sum(x * s * c for x, s, c in zip(f[:, 0, 0], solid, cosine))
+                self.assertAlmostEqual(dhr / file[group].attrs["dhr"][0], 1, delta=0.01)
+
+    def test_an_interrupted_run_is_kept_and_goes_on_to_the_same_bits(self):
+        scene = self.scene(PAINT + SOIL)
+        command = ["simulate", "surface", scene, "--theta-i", 30, "-o", "sim.h5", "--quiet", "--json"]
+        running = subprocess.Popen([UMOV, *map(str, command), "--samples", "1e9"], cwd=self.folder,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        time.sleep(1.0)
+        running.send_signal(signal.SIGINT)
+        said, complaint = running.communicate(timeout=60)
+        self.assertEqual(running.returncode, 130, complaint)
+        self.assertIn("--resume", complaint)
+        first = json.loads(said)
+        self.assertTrue((self.folder / "sim.h5.state").exists())
+        with h5py.File(self.folder / "sim.h5") as file:
+            self.assertEqual(file["hemisphere"].attrs["samples"], first["samples"])
+        more = first["samples"] + 100000
+        resumed = json.loads(self.must(*command, "--samples", more, "--resume").stdout)
+        self.assertFalse((self.folder / "sim.h5.state").exists())
+        command[command.index("sim.h5")] = "whole.h5"
+        whole = json.loads(self.must(*command, "--samples", more).stdout)
+        self.assertEqual(resumed["bands"], whole["bands"])
+        self.assertEqual(resumed["rays"], whole["rays"])
+
+    @unittest.skipUnless(shutil.which("mpirun"), "mpirun is not installed")
+    def test_four_ranks_give_the_bits_of_one(self):
+        scene = self.scene(PAINT + SOIL)
+        command = ["simulate", "surface", str(scene), "--samples", "1e5", "--theta-i", "10,50", "--json", "--quiet"]
+        alone = json.loads(self.must(*command).stdout)
+        environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+        team = subprocess.run(["mpirun", "--oversubscribe", "--bind-to", "none", "-n", "4", str(UMOV), *command], cwd=self.folder, timeout=120,
+                              env=environment, capture_output=True, text=True, check=True)
+        self.assertEqual(json.loads(team.stdout), alone)
+
+    def test_a_mixture_is_compared_with_the_simulation(self):
+        self.must("simulate", "surface", self.scene(PAINT + SOIL), "--mixture", "--coverage-factors", "0.5,1", "--theta-i", "0,60",
+                  "--samples", 40000, "-o", "mixture.json", "--quiet")
+        found = json.loads((self.folder / "mixture.json").read_text(encoding="utf-8"))
+        self.assertEqual([a["theta_i_deg"] for a in found["angles"]], [0, 60])
+        above = found["angles"][0]["points"]
+        self.assertAlmostEqual(above[1]["area_fraction"], above[1]["coverage"], delta=0.01)
+        for angle in found["angles"]:
+            self.assertEqual(angle["law"]["points"], 2)
+            for point in angle["points"]:
+                f = point["area_fraction"]
+                self.assertAlmostEqual(point["bands"][1]["dhr_linear"], f * 0.3355 + (1 - f) * 0.6, delta=1e-6)
+                self.assertGreater(point["effective_fraction_u"], 0)
+
+    def test_what_mixing_leaves_out_of_a_dirty_paint_is_named(self):
+        scene = self.scene(PAINT.replace("period_um = 200", "period_um = 600") + SOIL)
+        self.must("simulate", "surface", scene, "--theta-i", 50, "--samples", 2e5, "--seed", 5, "--rings", 18, "--directions", "cells",
+                  "-o", "dirty.h5", "--quiet")
+        answer = json.loads(self.must("diagnose", "dirty.h5", "--surface", scene, "--json", "answer.json", "--quiet").stdout or
+                            (self.folder / "answer.json").read_text(encoding="utf-8"))
+        named = {cause["effect"] for cause in answer["causes"]}
+        self.assertIn("particle_shadowing", named)
+        self.assertLessEqual(named, {"particle_shadowing", "multiple_scattering"})
+
+    def test_a_dirty_sample_lies_under_the_emulated_instrument(self):
+        text = PAINT + SOIL.replace("0.3", "0.5")
+        self.must("simulate", "surface", self.scene(text), "--theta-i", "0,30,60", "--samples", 4e5, "--rings", 9, "--strip", 60,
+                  "--strip-half-width", 5, "--directions", "strip", "-o", "dirty.h5", "--table", "dirty.csv", "--quiet")
+        (self.folder / "plan.toml").write_text('sample = "dirt"\nwavelengths_nm = [633]\ntheta_i_deg = [30]\n'
+                                               'theta_r_deg = [-60, -45, 0, 45, 60]\nstates = [["open", "open"]]\ndwell_ms = 20\n')
+        self.must("scan", "plan.toml", "--sample", "dirty.csv", "-o", "scan.h5", "--quiet")
+        with h5py.File(self.folder / "scan.h5") as file:
+            signal = file["records/x_v"][:] / file["records/monitor_v"][:]
+            theta = file["records/theta_r_deg"][:]
+        by_angle = {t: x / math.cos(math.radians(t)) for t, x in zip(theta, signal)}
+        # Dirt is brighter towards the light, as it is in the simulation.
+        with h5py.File(self.folder / "dirty.h5") as file:
+            here = {t: f for t, f, i, w in zip(*(file["points/" + name][:] for name in
+                    ("theta_r_deg", "brdf_per_sr", "theta_i_deg", "wavelength_nm"))) if i == 30 and w == 700}
+        near = lambda angle: sum(f for t, f in here.items() if abs(t - angle) < 8) / sum(abs(t - angle) < 8 for t in here)
+        self.assertGreater(near(-60), 1.2 * near(60))
+        self.assertAlmostEqual(by_angle[-60] / by_angle[60], near(-60) / near(60), delta=0.2)
+
+    def test_a_warm_paint_shines_by_itself(self):
+        text = PAINT.replace("[0.5, 0.7]", "[3.0, 5.0]") + "[emission]\ntemperature_k = 300\nsky_temperature_k = 300\n"
+        said = json.loads(self.must("simulate", "surface", self.scene(text), "--samples", 1e5, "--json", "--quiet").stdout)
+        for band, albedo in zip(said["bands"], (0.2, 0.6)):
+            w = band["wavelength_nm"] * 1e-3
+            black = 1.191042972e8 / w**5 / math.expm1(14387.76877 / (w * 300))
+            self.assertAlmostEqual(band["emissivity"], 1 - albedo, places=9)
+            self.assertAlmostEqual(band["radiance"]["total"] / black, 1, places=6)
 
     def test_refuses_what_cannot_be(self):
         crowded = self.scene(PAINT + SOIL.replace("0.3", "0.9"))
         self.refused("simulate", "surface", crowded, says=("find no more room",))
         self.refused("simulate", "surface", self.scene(PAINT), "--theta-i", 90, says=("90",))
-        self.refused("simulate", "surface", self.scene(PAINT + "gloss = 1\n"), says=("scene.toml:6", "gloss"))
+        self.refused("simulate", "surface", self.scene(PAINT + "gloss = 1\n"), says=("scene.toml:7", "gloss"))
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "host/cli/study/ceilings.hpp"
+#include "host/cli/study/contaminants.hpp"
 #include "host/cli/study/effects.hpp"
 #include "host/cli/study/pointing.hpp"
 #include "host/cli/study/real_data.hpp"
@@ -24,6 +25,9 @@ constexpr std::array all{
           ceilings},
     Study{"pointing", "withheld terms of a telescope's pointing, real runs (seconds; UMOV_DATA)",
           pointing},
+    Study{"contaminants",
+          "soil and water drops on paint, simulated: figures 4 to 9 of the paper (minutes)",
+          contaminants},
 };
 
 }  // namespace

@@ -34,4 +34,15 @@ Ranks::~Ranks() {
   if (running_) MPI_Finalize();
 }
 
+std::vector<double> Ranks::gather(const std::vector<double>& own) const {
+  if (size_ == 1) return own;
+  std::vector<double> all(own.size() * static_cast<std::size_t>(size_));
+  const int count = static_cast<int>(own.size());
+  if (MPI_Allgather(own.data(), count, MPI_DOUBLE, all.data(), count, MPI_DOUBLE, MPI_COMM_WORLD) !=
+      MPI_SUCCESS) {
+    throw Error("the ranks do not hear of each other", "start them again; --resume goes on");
+  }
+  return all;
+}
+
 }  // namespace umov

@@ -1,6 +1,8 @@
 // Which of how many processes this one is, where mpirun has started several.
 #pragma once
 
+#include <vector>
+
 namespace umov {
 
 /// While one lives, MPI is running, if mpirun (or a batch system's launcher that speaks PMI) has
@@ -16,6 +18,10 @@ class Ranks {
 
   int rank() const { return rank_; }
   int size() const { return size_; }
+
+  /// Each rank gives as many numbers; each gets those of all, in the order of ranks. All ranks must
+  /// call it, from their main threads. Throws umov::Error where the numbers do not come through.
+  std::vector<double> gather(const std::vector<double>& own) const;
 
   /// Was this process started as one of several?
   static bool launched();

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "host/errors/error.hpp"
-#include "host/surface/particles.hpp"
 #include "host/surface/scene_file.hpp"
 #include "host/trace/simulation.hpp"
 #include "tests/unit/failure.hpp"
@@ -13,60 +12,65 @@
 namespace umov::surface {
 namespace {
 
-const std::string head = "wavelengths_nm = [500, 700]\nperiod_um = 1000\n";
-const std::string paint = "[ground]\nkind = \"lambertian\"\nalbedo = [0.04, 0.05]\n";
+const std::string head = "[surface]\nwavelengths_um = [0.5, 0.7]\nperiod_um = 1000\n[substrate]\n";
+const std::string paint = "model = \"lambertian\"\nrho = [0.04, 0.05]\n";
+const std::string dirt = "[[particles]]\nmaterial = \"dry_soil\"\nradius_um = 20\n";
+const std::string drops = "[[drops]]\nradius_um = 30\n";
 
-Surface surface(const std::string& text) {
-  return surface_from_toml(text, "scene.toml", 1);
+Surface surface(const std::string& text, std::uint64_t seed = 1) {
+  return surface_from_toml(text, "scene.toml", {.seed = seed});
 }
 
 std::string refusal(const std::string& text) {
   return failure_of([&] { surface(text); });
 }
 
-TEST(Scatter, CoversWhatIsAskedWithoutOverlap) {
-  std::vector<Disc> discs;
-  scatter(discs, {40.0, 1.3}, 0.2, 1000.0, 3);
-  const std::size_t first = discs.size();
-  scatter(discs, {20.0}, 0.15, 1000.0, 4);
-  double area = 0.0;
-  for (std::size_t i = 0; i < discs.size(); ++i) {
-    area += 3.14159265358979 * discs[i].radius * discs[i].radius;
-    for (std::size_t j = 0; j < i; ++j) {
-      const double dx = std::remainder(discs[i].x - discs[j].x, 1000.0);
-      const double dy = std::remainder(discs[i].y - discs[j].y, 1000.0);
-      ASSERT_GE(std::hypot(dx, dy), (discs[i].radius + discs[j].radius) * (1.0 - 1e-12));
-    }
-  }
-  EXPECT_NEAR(area / 1e6, 0.35, 0.002);
-  EXPECT_GT(discs.size(), first + 400);
-  std::vector<Disc> crowd;
-  EXPECT_THROW(scatter(crowd, {100.0}, 0.7, 1000.0, 5), Error);
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
 }
 
 TEST(SceneFile, DescribesDirtAndDropsOnPaint) {
-  const Surface s = surface(head + paint +
-                            "[[particles]]\nkind = \"soil\"\nalbedo = 0.3\ndiameter_um = 40\n"
-                            "coverage = 0.2\n"
-                            "[[particles]]\nkind = \"drop\"\ncontact_angle_deg = 15\n"
-                            "index = \"H2O_Daimon-20.0C\"\ndiameter_um = 60\ncoverage = 0.1\n");
+  const Surface s = surface(head + paint + dirt + "coverage = 0.2\n" + drops +
+                            "contact_angle_deg = 15\ncoverage = 0.1\n");
   ASSERT_EQ(s.layers.size(), 2u);
   EXPECT_NEAR(s.layers[0].coverage, 0.2, 0.001);
   EXPECT_NEAR(s.layers[1].coverage, 0.1, 0.002);
+  EXPECT_NEAR(s.covered, 0.3, 0.002);
   EXPECT_EQ(s.scene.spheres.size(), s.layers[0].count + s.layers[1].count);
   const trace::Sphere& drop = s.scene.spheres.back();
   // A cap of 15° that is 60 µm wide is 30·tan(7.5°) high.
   EXPECT_NEAR(drop.centre.z + drop.radius, 30.0 * std::tan(0.5 * 15.0 / 57.29577951308232), 1e-9);
   EXPECT_EQ(drop.base_z, 0.0);
   EXPECT_NEAR(s.scene.media[1].n[0], 1.335, 0.003);
+  const auto& soil = std::get<trace::Lambertian>(s.scene.materials[s.layers[0].material]);
+  EXPECT_EQ(soil.albedo[0], 0.2333);
+  EXPECT_EQ(soil.albedo[1], 0.3355);
+}
+
+TEST(SceneFile, TakesSpectraAsTablesAndMaterialsByName) {
+  const Surface s = surface(
+      "[surface]\nwavelengths_um = { from = 0.5, to = 0.6, step = 0.05 }\ntheta_i_deg = [20, 60]\n"
+      "[substrate]\nmodel = \"microfacet+lambertian\"\n\"0.n\" = 1.5\n"
+      "\"1.rho\" = { wavelength_um = [0.4, 0.8], value = [0.1, 0.5] }\n"
+      "[[particles]]\nmaterial = \"clay\"\nradius_um = 10\ncoverage = 0.1\n"
+      "[materials.clay]\nmodel = \"lambertian\"\n"
+      "rho = { wavelength_um = [0.4, 0.6], value = [0.2, 0.4] }\n"
+      "[stop]\ndhr_relative_error = 0.02\nmax_rays = 1e9\n");
+  const auto& clay = std::get<trace::Lambertian>(s.scene.materials[s.layers[0].material]);
+  EXPECT_NEAR(clay.albedo[0], 0.3, 1e-12);
+  EXPECT_NEAR(clay.albedo[1], 0.35, 1e-12);
+  EXPECT_NEAR(clay.albedo[2], 0.4, 1e-12);
+  EXPECT_EQ(s.theta_i_deg, (std::vector<double>{20.0, 60.0}));
+  EXPECT_EQ(s.stop.dhr_relative_error, 0.02);
+  EXPECT_EQ(s.stop.rays, 1e9);
+  EXPECT_NEAR(static_cast<double>(s.layers[0].count), 1000.0, 3.0) << "the period was left open";
 }
 
 TEST(SceneFile, OfAModelOrRoughMetalCanBeTraced) {
-  const Surface model = surface(head +
-                                "[ground]\nkind = \"model\"\nmodel = \"microfacet+lambertian\"\n"
-                                "set = { \"0.n\" = 1.5, \"1.rho\" = [0.1, 0.4] }\n");
+  const Surface model =
+      surface(head + "model = \"microfacet+lambertian\"\n\"0.n\" = 1.5\n\"1.rho\" = [0.1, 0.4]\n");
   const Surface rough = surface(head +
-                                "[ground]\nkind = \"conductor\"\nn = 1.2\nkappa = 7\n"
+                                "model = \"fresnel\"\nn = 1.2\nkappa = 7\n"
                                 "rough = { slope_rms = 0.2, correlation_um = 60, cells = 128 }\n");
   for (const Surface& s : {model, rough}) {
     const trace::Geometry geometry(s.scene);
@@ -82,23 +86,48 @@ TEST(SceneFile, OfAModelOrRoughMetalCanBeTraced) {
   }
 }
 
+TEST(SceneFile, KeepsThePartsOfAMixtureApart) {
+  const std::string text =
+      head + paint + dirt + "coverage = 0.2\n" + drops + "contact_angle_deg = 90\ncoverage = 0.1\n";
+  const auto part = [&](Part which, std::size_t layer) {
+    return surface_from_toml(text, "scene.toml", {.part = which, .layer = layer});
+  };
+  EXPECT_TRUE(part(Part::bare, 0).scene.spheres.empty());
+  EXPECT_EQ(part(Part::bare, 0).scene.meshes.size(), 1u);
+  const Surface soil = part(Part::contaminant, 0);
+  ASSERT_EQ(soil.scene.meshes.size(), 1u);
+  EXPECT_EQ(std::get<trace::Lambertian>(soil.scene.materials[soil.scene.meshes[0].materials[0]])
+                .albedo[0],
+            0.2333);
+  const Surface film = part(Part::contaminant, 1);
+  EXPECT_EQ(film.scene.meshes.size(), 2u) << "paint below water";
+  EXPECT_THROW(part(Part::contaminant, 2), Error);
+}
+
 TEST(SceneFile, RefusesWhatCannotBeWithItsLine) {
-  const std::string soil = "[[particles]]\nkind = \"soil\"\nalbedo = 0.3\ndiameter_um = 40\n";
-  EXPECT_NE(refusal(head + paint + soil + "coverage = 0.8\n").find("find no more room"),
-            std::string::npos);
-  EXPECT_NE(refusal(head + paint + "[film]\nthickness_um = 5\nn = 0.9\n").find("at least 1"),
-            std::string::npos);
-  EXPECT_NE(refusal(head + "[ground]\nkind = \"velvet\"\n").find("scene.toml:4"),
-            std::string::npos);
-  EXPECT_NE(refusal(head + paint + "gloss = 1\n").find("not known here"), std::string::npos);
-  EXPECT_NE(refusal("period_um = 5\n" + paint).find("wavelengths_nm is missing"),
-            std::string::npos);
-  EXPECT_NE(
-      refusal(head + "[ground]\nkind = \"lambertian\"\nalbedo = [0.1]\n").find("2 wavelengths"),
-      std::string::npos);
-  EXPECT_NE(refusal(head + paint + soil + "coverage = 0.1\n[film]\nthickness_um = 5\nn = 1.3\n")
-                .find("bare flat ground"),
-            std::string::npos);
+  EXPECT_TRUE(has(refusal(head + paint + dirt + "coverage = 0.93\n"), "find no more room"));
+  EXPECT_TRUE(has(refusal(head + paint + dirt + "coverage = 0.93\n"), "scene.toml:10"));
+  EXPECT_TRUE(
+      has(refusal(head + paint + dirt + "coverage = 0.97\noverlap = true\n"), "up to 0.95"));
+  EXPECT_TRUE(has(refusal(head + paint + "[film]\nthickness_um = 5\nn = 0.9\n"), "at least 1"));
+  EXPECT_TRUE(has(refusal(head + "model = \"velvet\"\n"), "scene.toml:5"));
+  EXPECT_TRUE(has(refusal(head + paint + "gloss = 1\n"), "not known here"));
+  EXPECT_TRUE(
+      has(refusal("[surface]\nperiod_um = 5\n[substrate]\n" + paint), "wavelengths_um is missing"));
+  EXPECT_TRUE(has(refusal(head + "model = \"lambertian\"\nrho = [0.1]\n"), "2 wavelengths"));
+  EXPECT_TRUE(has(refusal(head + paint +
+                          "[[particles]]\nmaterial = \"snow\"\nradius_um = 20\n"
+                          "coverage = 0.1\n"),
+                  "unknown"));
+  EXPECT_TRUE(has(refusal("[surface]\nwavelengths_um = 1.5\n[substrate]\nmodel = \"lambertian\"\n"
+                          "rho = 0.1\n" +
+                          dirt + "coverage = 0.1\n"),
+                  "between 0.4 and 0.9"));
+  EXPECT_TRUE(
+      has(refusal("[surface]\nwavelengths_um = 0.5\ntheta_i_deg = 90\n[substrate]\n" + paint),
+          "theta_i_deg = 90"));
+  EXPECT_TRUE(has(refusal(head + paint + "[materials.spare]\nmodel = \"lambertian\"\nrho = 0.1\n"),
+                  "nothing is made of"));
 }
 
 }  // namespace

@@ -98,7 +98,7 @@ TEST(Balance, WhatGoesInIsReflectedAbsorbedOrCountedAsLost) {
   Scene scene({0.5, 0.9});
   const MediumId wet = scene.add(Medium{{1.34, 1.33}, {0.0, 0.05}});
   const MaterialId ground = scene.add(Lambertian{{0.5, 0.3}});
-  const MaterialId skin = scene.add(Interface{vacuum, wet});
+  const MaterialId skin = scene.add(Interface{wet});
   const MaterialId soil = scene.add(Lambertian{{0.9, 0.2}});
   scene.add_plane(0.0, ground);
   scene.spheres.push_back({Vec3(0.2, 0.2, 0.2), 0.2, skin});
@@ -161,7 +161,7 @@ TEST(WaterSphere, HasItsRainbowAtItsAngleAndPolarisation) {
     rainbow[w] = 180.0 + optics::degrees(2.0 * entry - 4.0 * std::asin(std::sin(entry) / n[w]));
   }
   const MediumId drop = scene.add(Medium{n, {0.0, 0.0}});
-  scene.spheres.push_back({Vec3(0.0, 0.0, 0.0), 1.0, scene.add(Interface{vacuum, drop})});
+  scene.spheres.push_back({Vec3(0.0, 0.0, 0.0), 1.0, scene.add(Interface{drop})});
   const Geometry geometry(scene);
   const PathTracer tracer(scene, geometry);
   PathTracer::Workspace workspace(tracer);
@@ -223,7 +223,7 @@ TEST(WaterFilm, OnALambertianGroundHasItsAnalyticReflectance) {
   Scene scene({0.5});
   scene.add_plane(0.0, scene.add(Lambertian{{ground}}));
   const MediumId film = scene.add(water(n));
-  scene.add_plane(0.05, scene.add(Interface{vacuum, film}));
+  scene.add_plane(0.05, scene.add(Interface{film}));
   const double inside =
       hemispherical([](double c) { return optics::reflectance(1.0 / n, 0.0, c); });
   for (const double degrees : {0.0, 60.0, 80.0}) {
@@ -268,7 +268,7 @@ TEST(Absorption, FollowsBeerAndLambertOverTheRefractedPath) {
   Scene scene({wavelength});
   const MediumId glass = scene.add(Medium{{n}, {kappa}});
   scene.add_plane(0.0, scene.add(Conductor{{1.0}, {1e7}}));
-  scene.add_plane(depth, scene.add(Interface{vacuum, glass}));
+  scene.add_plane(depth, scene.add(Interface{glass}));
   const double theta = radians(50.0);
   const double cosine = std::sqrt(1.0 - std::pow(std::sin(theta) / n, 2));
   const double through = std::exp(-4.0 * pi * kappa / wavelength * 2.0 * depth / cosine);

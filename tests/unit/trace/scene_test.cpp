@@ -33,7 +33,7 @@ TEST(Scene, RefusesWhatItCannotBe) {
   unknown.add_plane(0.0, 3);
   EXPECT_THROW(unknown.check(), Error);
   Scene medium({0.5});
-  medium.add(Interface{vacuum, 1});
+  medium.add(Interface{1});
   EXPECT_THROW(medium.check(), Error);
   EXPECT_THROW(medium.add_height_field(3, 3, {0.0}, 0), Error);
 }

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <barrier>
 #include <cmath>
 #include <numeric>
+#include <thread>
 
 #include "host/brdf/evaluate.hpp"
 #include "host/errors/error.hpp"
@@ -53,7 +55,7 @@ TEST(Hemisphere, CellsShareTheSolidAngleAndEveryDirectionHasItsCell) {
 Scene mixture() {
   Scene scene({0.45, 0.65});
   const MediumId wet = scene.add(Medium{{1.34, 1.33}, {0.0, 0.0}});
-  const MaterialId skin = scene.add(Interface{vacuum, wet});
+  const MaterialId skin = scene.add(Interface{wet});
   scene.add_plane(0.0, scene.add(Lambertian{{0.3, 0.5}}));
   scene.spheres.push_back({Vec3(0.25, 0.3, 0.2), 0.2, skin});
   scene.spheres.push_back({Vec3(0.65, 0.3, 0.1), 0.2, skin, 0.0});
@@ -147,6 +149,101 @@ TEST(Simulation, ErrorsCoverTheTruthOfAWhiteGround) {
   // 4 σ of a binomial; small cells see few exits, whose distribution has tails.
   EXPECT_NEAR(beyond / n, 0.05, 4.0 * std::sqrt(0.05 * 0.95 / n) + 0.01);
   EXPECT_NEAR(chi2 / n, 1.0, 0.25);
+}
+
+// Ranks as threads of this process.
+class Threads : public Team {
+ public:
+  struct Meeting {
+    explicit Meeting(std::size_t count)
+        : arrive(static_cast<std::ptrdiff_t>(count)), own(count), size(count) {}
+    std::barrier<> arrive;
+    std::vector<std::vector<double>> own;
+    std::size_t size;
+  };
+  Threads(Meeting& meeting, std::size_t rank) : meeting_(meeting), rank_(rank) {}
+  std::size_t rank() const override { return rank_; }
+  std::size_t size() const override { return meeting_.size; }
+  std::vector<double> gather(const std::vector<double>& own) override {
+    meeting_.own[rank_] = own;
+    meeting_.arrive.arrive_and_wait();
+    std::vector<double> all;
+    for (const auto& part : meeting_.own) all.insert(all.end(), part.begin(), part.end());
+    meeting_.arrive.arrive_and_wait();
+    return all;
+  }
+
+ private:
+  Meeting& meeting_;
+  std::size_t rank_;
+};
+
+TEST(Simulation, IsTheSameToTheLastBitForAnyNumberOfRanks) {
+  const Scene scene = mixture();
+  const Geometry geometry(scene);
+  const PathTracer tracer(scene, geometry);
+  const Hemisphere hemisphere(4, 12, radians(3.0));
+  Request request;
+  request.theta_i = radians(40.0);
+  request.samples = 12000;
+  request.block = 250;
+  request.threads = 1;
+  request.emissivity = true;
+  const std::vector<double> alone = simulate(tracer, hemisphere, request).state();
+  for (const std::size_t ranks : {2u, 3u, 4u, 17u}) {
+    Threads::Meeting meeting(ranks);
+    std::vector<std::vector<double>> states(ranks);
+    {
+      std::vector<std::jthread> team;
+      for (std::size_t rank = 0; rank < ranks; ++rank) {
+        team.emplace_back([&, rank] {
+          Threads member(meeting, rank);
+          Request own = request;
+          own.team = &member;
+          states[rank] = simulate(tracer, hemisphere, own).state();
+        });
+      }
+    }
+    for (const auto& state : states) EXPECT_EQ(state, alone) << ranks << " ranks";
+  }
+  // One rank that is asked to stop ends the run of all, after the same blocks.
+  Threads::Meeting meeting(2);
+  std::vector<std::uint64_t> samples(2);
+  {
+    std::vector<std::jthread> team;
+    for (std::size_t rank = 0; rank < 2; ++rank) {
+      team.emplace_back([&, rank] {
+        Threads member(meeting, rank);
+        Request own = request;
+        own.team = &member;
+        own.stop = [rank] { return rank == 1; };
+        samples[rank] = simulate(tracer, hemisphere, own).samples();
+      });
+    }
+  }
+  EXPECT_EQ(samples[0], 4000u);
+  EXPECT_EQ(samples[1], 4000u);
+}
+
+TEST(Simulation, GoesOnWhereItWasStoppedToTheLastBit) {
+  const Scene scene = mixture();
+  const Geometry geometry(scene);
+  const PathTracer tracer(scene, geometry);
+  const Hemisphere hemisphere(4, 0, 0.0);
+  Request request;
+  request.samples = 12000;
+  request.block = 250;
+  request.emissivity = true;
+  const std::vector<double> whole = simulate(tracer, hemisphere, request).state();
+  Request stopped = request;
+  int asked = 0;
+  stopped.stop = [&] { return ++asked == 2; };
+  const Result half = simulate(tracer, hemisphere, stopped);
+  EXPECT_EQ(half.samples(), 8000u);
+  EXPECT_EQ(simulate(tracer, hemisphere, request, half.state()).state(), whole);
+  EXPECT_THROW(simulate(tracer, Hemisphere(3, 0, 0.0), request, half.state()), Error);
+  request.rays = half.ledger().rays;
+  EXPECT_EQ(simulate(tracer, hemisphere, request).samples(), 8000u) << "as many rays";
 }
 
 TEST(Simulation, StopsAtTheErrorAskedFor) {

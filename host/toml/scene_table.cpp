@@ -1,14 +1,18 @@
-#include "host/surface/scene_table.hpp"
+#include "host/toml/scene_table.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <functional>
+#include <limits>
 
 #include "host/errors/error.hpp"
+#include "host/toml/spectrum.hpp"
 
-namespace umov::surface {
+namespace umov {
 
 void SceneTable::fail(std::string_view key, const std::string& problem,
                       const std::string& remedy) const {
@@ -56,8 +60,10 @@ std::string SceneTable::text(std::string_view key) {
   return *value;
 }
 
-std::string SceneTable::text(std::string_view key, const std::vector<std::string>& permitted) {
-  std::string value = text(key);
+std::string SceneTable::text(std::string_view key, const std::vector<std::string>& permitted,
+                             std::optional<std::string> preset) {
+  known_.emplace(key);
+  std::string value = preset && !has(key) ? *preset : text(key);
   if (std::find(permitted.begin(), permitted.end(), value) == permitted.end()) {
     fail(key, "is '" + value + "'", fmt::format("choose one of: {}", fmt::join(permitted, ", ")));
   }
@@ -82,6 +88,47 @@ double SceneTable::number(std::string_view key, double low, double high,
   return checked(node(key), key, low, high);
 }
 
+std::vector<double> SceneTable::spectrum(std::string_view key,
+                                         const std::vector<double>& wavelengths_um, double low,
+                                         double high) {
+  const toml::node& value = node(key);
+  std::vector<double> values;
+  if (value.is_table()) {
+    SceneTable inner = table(key);
+    Spectrum known;
+    if (inner.has("file")) {
+      const auto folder = std::filesystem::path(file_).parent_path();
+      known = read_spectrum(folder / inner.text("file"), inner.text("column"));
+    } else {
+      constexpr double unlimited = std::numeric_limits<double>::max();
+      known.wavelength_um = inner.numbers("wavelength_um", 0.0, unlimited);
+      known.value = inner.numbers("value", -unlimited, unlimited);
+      if (known.value.size() != known.wavelength_um.size() ||
+          !std::is_sorted(known.wavelength_um.begin(), known.wavelength_um.end(),
+                          std::less_equal<>())) {
+        inner.fail("value",
+                   fmt::format("has {} values for {} wavelengths, or these do not rise",
+                               known.value.size(), known.wavelength_um.size()),
+                   "give one a wavelength, in ascending order");
+      }
+    }
+    inner.refuse_unknown();
+    for (const double w : wavelengths_um) {
+      try {
+        values.push_back(known.at(w, std::string(key)));
+      } catch (const Error& e) {
+        fail(key, "does not reach: " + e.problem(), e.remedy());
+      }
+      if (!(values.back() >= low && values.back() <= high)) {
+        fail(key, fmt::format("= {} at {} um is out of range", values.back(), w),
+             fmt::format("choose {} to {}", low, high));
+      }
+    }
+    return values;
+  }
+  return spectrum(key, wavelengths_um.size(), low, high);
+}
+
 std::vector<double> SceneTable::spectrum(std::string_view key, std::size_t count, double low,
                                          double high) {
   const toml::node& value = node(key);
@@ -96,6 +143,14 @@ std::vector<double> SceneTable::spectrum(std::string_view key, std::size_t count
   return values;
 }
 
+bool SceneTable::flag(std::string_view key, bool preset) {
+  known_.emplace(key);
+  if (!has(key)) return preset;
+  const auto value = node(key).value_exact<bool>();
+  if (!value) fail(key, "is neither true nor false", "write one of them");
+  return *value;
+}
+
 std::vector<double> SceneTable::numbers(std::string_view key, double low, double high) {
   const toml::node& value = node(key);
   std::vector<double> values;
@@ -106,7 +161,7 @@ std::vector<double> SceneTable::numbers(std::string_view key, double low, double
     const double step = range.number("step", 1e-6 * high, high);
     range.refuse_unknown();
     const double steps = std::floor((to - from) / step + 1e-9);
-    if (steps > 200.0) fail(key, "has more than 200 values", "use a longer step");
+    if (steps > 1000.0) fail(key, "has more than 1000 values", "use a longer step");
     for (int i = 0; i <= static_cast<int>(steps); ++i) values.push_back(from + i * step);
   } else if (const toml::array* list = value.as_array()) {
     for (const toml::node& entry : *list) values.push_back(checked(entry, key, low, high));
@@ -125,4 +180,4 @@ void SceneTable::refuse_unknown() const {
   }
 }
 
-}  // namespace umov::surface
+}  // namespace umov

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace umov::surface {
+namespace umov {
 
 /// Every getter notes its key as known; refuse_unknown() refuses the rest. All throw umov::Error
 /// with file and line.
@@ -19,14 +19,22 @@ class SceneTable {
       : table_(table), file_(file), name_(std::move(name)) {}
 
   bool has(std::string_view key) const { return table_.contains(key); }
+  bool is_list(std::string_view key) const { return table_[key].is_array(); }
   /// A table inside; `key` must be there.
   SceneTable table(std::string_view key);
   std::vector<SceneTable> tables(std::string_view key);
-  std::string text(std::string_view key, const std::vector<std::string>& permitted);
+  std::string text(std::string_view key, const std::vector<std::string>& permitted,
+                   std::optional<std::string> preset = {});
+  bool flag(std::string_view key, bool preset);
   std::string text(std::string_view key);
   double number(std::string_view key, double low, double high, std::optional<double> preset = {});
   /// A number or a list of `count` numbers; the former is repeated.
   std::vector<double> spectrum(std::string_view key, std::size_t count, double low, double high);
+  /// A value for each of the wavelengths (µm) from a number, a list with one number a wavelength,
+  /// { wavelength_um = […], value = […] } or { file = "…", column = "…" }, the file's name from
+  /// where the scene file is.
+  std::vector<double> spectrum(std::string_view key, const std::vector<double>& wavelengths_um,
+                               double low, double high);
   /// A list of numbers or { from, to, step }.
   std::vector<double> numbers(std::string_view key, double low, double high);
   void refuse_unknown() const;
@@ -45,4 +53,4 @@ class SceneTable {
   std::set<std::string, std::less<>> known_;
 };
 
-}  // namespace umov::surface
+}  // namespace umov

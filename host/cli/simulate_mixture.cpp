@@ -1,0 +1,147 @@
+#include "host/cli/simulate_mixture.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "host/cli/interrupt.hpp"
+#include "host/cli/progress.hpp"
+#include "host/formats/atomic_file.hpp"
+#include "host/surface/mixture.hpp"
+
+namespace umov::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+void put(ordered_json& to, const char* name, const trace::Estimate& e) {
+  // JSON has no NaN: what is not defined is null.
+  const auto number = [](double x) { return std::isfinite(x) ? ordered_json(x) : ordered_json(); };
+  to[name] = number(e.mean);
+  to[std::string(name) + "_u"] = number(e.error);
+}
+
+ordered_json as_json(const surface::MixingLaw& law) {
+  if (law.points == 0) return nullptr;
+  return {{"effective", "1-(1-f)^gamma"}, {"gamma", law.gamma}, {"gamma_u", law.gamma_u},
+          {"points", law.points},         {"chi2", law.chi2},   {"largest_miss", law.largest_miss}};
+}
+
+ordered_json as_json(const surface::MixtureAngle& angle) {
+  ordered_json points = ordered_json::array();
+  for (const surface::MixturePoint& p : angle.points) {
+    ordered_json point = {{"coverage", p.coverage}};
+    put(point, "area_fraction", p.fraction);
+    put(point, "effective_fraction", p.effective);
+    point["bands"] = ordered_json::array();
+    for (const surface::MixtureBand& band : p.bands) {
+      ordered_json b = {{"wavelength_nm", 1e3 * band.wavelength_um}};
+      put(b, "dhr", band.dhr);
+      put(b, "dhr_linear", band.linear_dhr);
+      put(b, "effective_fraction", band.effective);
+      put(b, "hemispherical_dop", band.dop);
+      put(b, "hemispherical_dop_linear", band.linear_dop);
+      b["brdf_difference"] = band.shape_difference;
+      point["bands"].push_back(b);
+    }
+    points.push_back(point);
+  }
+  ordered_json laws = ordered_json::array();
+  for (std::size_t w = 0; w < angle.band_laws.size(); ++w) {
+    laws.push_back({{"wavelength_nm", 1e3 * angle.points.front().bands[w].wavelength_um},
+                    {"law", as_json(angle.band_laws[w])}});
+  }
+  return {{"theta_i_deg", angle.theta_i_deg},
+          {"law", as_json(angle.law)},
+          {"points", points},
+          {"laws", laws}};
+}
+
+void print(const surface::MixtureAngle& angle) {
+  fmt::print("light from {:g}°\n", angle.theta_i_deg);
+  fmt::print("{:>9} {:>9} {:>20} {:>26} {:>26} {:>10}\n", "coverage", "seen", "effective",
+             "largest DHR - mixture", "largest DOP - mixture", "BRDF off");
+  for (const surface::MixturePoint& p : angle.points) {
+    // What stands out most, in its own errors.
+    const auto worst = [&](auto member, auto linear) {
+      const surface::MixtureBand* found = &p.bands.front();
+      const auto off = [&](const surface::MixtureBand& b) {
+        return std::abs((b.*member).mean - (b.*linear).mean);
+      };
+      for (const auto& b : p.bands) {
+        if (off(b) > off(*found)) found = &b;
+      }
+      return fmt::format("{:+.5f} ± {:.5f}", (found->*member).mean - (found->*linear).mean,
+                         std::hypot((found->*member).error, (found->*linear).error));
+    };
+    double off = 0.0;
+    for (const auto& b : p.bands) off = std::max(off, b.shape_difference);
+    fmt::print("{:9.4f} {:9.4f} {:10.4f} ± {:.4f}   {:>26} {:>26} {:8.1f} %\n", p.coverage,
+               p.fraction.mean, p.effective.mean, p.effective.error,
+               worst(&surface::MixtureBand::dhr, &surface::MixtureBand::linear_dhr),
+               worst(&surface::MixtureBand::dop, &surface::MixtureBand::linear_dop), 100.0 * off);
+  }
+  if (angle.law.points > 0) {
+    fmt::print("effective = 1 - (1 - seen)^{:.3f} ± {:.3f}, off by {:.3f} at most\n",
+               angle.law.gamma, angle.law.gamma_u, angle.law.largest_miss);
+  }
+}
+
+}  // namespace
+
+void run_mixture(const SurfaceOptions& options, const std::vector<double>& coverage_factors,
+                 const Common& common, const Ranks& ranks) {
+  const SurfaceRun work(options, common, ranks);
+  const auto read = [&](const surface::Reading& reading) {
+    return surface::read_surface(options.scene, reading);
+  };
+  const surface::Surface described = read({.seed = common.seed});
+  surface::MixtureRequest request;
+  request.theta_i_deg = work.angles(described);
+  request.coverage_factors = coverage_factors;
+  request.how = work.request(described);
+  request.rings = options.rings;
+  request.strip = options.strip;
+  request.strip_half_width_deg = options.strip_half_width_deg;
+  catch_interrupts();
+  Progress progress("simulate", common.quiet || !work.first_rank());
+  std::size_t at = 0;
+  std::size_t of = 1;
+  request.step = [&](std::size_t number, std::size_t count) {
+    at = number;
+    of = count;
+  };
+  request.how.progress = [&](const trace::Progress& p) {
+    double done = static_cast<double>(p.samples) / static_cast<double>(request.how.samples);
+    if (request.how.dhr_relative_error > 0.0 && p.dhr_relative_error > 0.0) {
+      done = std::max(done, std::pow(request.how.dhr_relative_error / p.dhr_relative_error, 2));
+    }
+    progress.update(
+        1000.0 * (static_cast<double>(at) + std::min(1.0, done)) / static_cast<double>(of), 1000.0,
+        fmt::format("simulation {} of {}, DHR ± {:.3f} %", at + 1, of,
+                    100.0 * p.dhr_relative_error));
+  };
+  const auto angles = surface::analyse_mixture(read, request);
+  progress.finish();
+  if (!work.first_rank()) return;
+
+  ordered_json out = {{"scene", options.scene},
+                      {"seed", common.seed},
+                      {"program", "umov " UMOV_VERSION},
+                      {"command", common.command_line},
+                      {"angles", ordered_json::array()}};
+  for (const auto& angle : angles) out["angles"].push_back(as_json(angle));
+  if (!options.output.empty()) formats::replace_file(options.output, out.dump(1) + "\n");
+  if (common.json) {
+    fmt::print("{}\n", out.dump());
+  } else {
+    for (const auto& angle : angles) print(angle);
+  }
+  if (interrupt_flag().load()) {
+    std::fflush(stdout);
+    throw Interrupted("stopped; angles that were not whole are left out");
+  }
+}
+
+}  // namespace umov::cli

@@ -1,0 +1,241 @@
+#include "host/surface/mixture.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host/errors/error.hpp"
+#include "host/optics/angles.hpp"
+#include "host/optics/mueller.hpp"
+
+namespace umov::surface {
+namespace {
+
+using trace::Estimate;
+
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+// Errors of a difference below which nothing is divided by it.
+constexpr double least_contrast = 5.0;
+
+// Means over layers, weighted by what each hides.
+struct Contaminant {
+  std::vector<double> weight;  // sums to 1
+  const std::vector<const trace::Result*>& layers;
+
+  Estimate over(const std::function<Estimate(const trace::Result&)>& value) const {
+    Estimate sum{0.0, 0.0};
+    for (std::size_t k = 0; k < layers.size(); ++k) {
+      const Estimate e = value(*layers[k]);
+      sum.mean += weight[k] * e.mean;
+      sum.error = std::hypot(sum.error, weight[k] * e.error);
+    }
+    return sum;
+  }
+};
+
+Estimate mix(const Estimate& fraction, const Estimate& contaminant, const Estimate& bare) {
+  const double f = fraction.mean;
+  return {f * contaminant.mean + (1.0 - f) * bare.mean,
+          std::hypot(f * contaminant.error, (1.0 - f) * bare.error,
+                     (contaminant.mean - bare.mean) * fraction.error)};
+}
+
+Estimate element(const trace::MuellerEstimate& e, int row, int column) {
+  return {optics::element(e.mean, row, column), optics::element(e.error, row, column)};
+}
+
+}  // namespace
+
+std::vector<Estimate> hidden_shares(const Surface& surface, double theta_i_deg,
+                                    const trace::Request& how) {
+  // The same faces, all black, and films that are not there.
+  trace::Scene scene = surface.scene;
+  scene.wavelengths_um = {1.0};
+  for (trace::Medium& medium : scene.media) medium = {{1.0}, {0.0}};
+  for (trace::MaterialId id = 0; id < scene.materials.size(); ++id) {
+    const bool particle = std::any_of(surface.layers.begin(), surface.layers.end(),
+                                      [&](const Layer& layer) { return layer.material == id; });
+    if (particle || !std::holds_alternative<trace::Interface>(scene.materials[id])) {
+      scene.materials[id] = trace::Lambertian{{0.0}};
+    }
+  }
+  const trace::Geometry geometry(scene);
+  const trace::PathTracer tracer(scene, geometry);
+  trace::Request request;
+  request.theta_i = optics::radians(theta_i_deg);
+  request.seed = how.seed;
+  request.threads = how.threads;
+  request.samples = std::min<std::uint64_t>(how.samples, 1'000'000);
+  request.emissivity = true;
+  const trace::Result result = trace::simulate(tracer, trace::Hemisphere(1, 0, 0.0), request);
+  std::vector<Estimate> shares;
+  for (const Layer& layer : surface.layers) {
+    shares.push_back(result.absorptance(layer.material, 0)[0]);
+  }
+  return shares;
+}
+
+MixturePoint mixed(const trace::Result& whole, const trace::Result& bare,
+                   const std::vector<const trace::Result*>& contaminants,
+                   const std::vector<Estimate>& shares, const std::vector<double>& wavelengths_um) {
+  MixturePoint point{};
+  Contaminant contaminant{{}, contaminants};
+  for (const Estimate& share : shares) {
+    point.fraction.mean += share.mean;
+    point.fraction.error = std::hypot(point.fraction.error, share.error);
+  }
+  for (const Estimate& share : shares) {
+    contaminant.weight.push_back(share.mean / point.fraction.mean);
+  }
+  double products = 0.0;
+  double squares = 0.0;
+  double error = 0.0;
+  for (std::size_t w = 0; w < wavelengths_um.size(); ++w) {
+    MixtureBand band{};
+    band.wavelength_um = wavelengths_um[w];
+    const auto m00 = [&](const trace::Result& r) { return element(r.hemispherical(w), 0, 0); };
+    const auto m10 = [&](const trace::Result& r) { return element(r.hemispherical(w), 1, 0); };
+    const Estimate dirty = contaminant.over(m00);
+    const Estimate clean = m00(bare);
+    band.dhr = m00(whole);
+    band.linear_dhr = mix(point.fraction, dirty, clean);
+    const double contrast = dirty.mean - clean.mean;
+    const double contrast_u = std::hypot(dirty.error, clean.error);
+    const double change = band.dhr.mean - clean.mean;
+    band.effective = {undefined, undefined};
+    if (std::abs(contrast) > least_contrast * contrast_u) {
+      const double f = change / contrast;
+      band.effective = {f, std::hypot(band.dhr.error, f * dirty.error, (1.0 - f) * clean.error) /
+                               std::abs(contrast)};
+      products += change * contrast;
+      squares += contrast * contrast;
+      // All wavelengths come from the same rays: their errors go together.
+      error += band.effective.error * contrast * contrast;
+    }
+    band.dop = whole.hemispherical_dop(w);
+    const Estimate polarised = mix(point.fraction, contaminant.over(m10), m10(bare));
+    const double dop = polarised.mean / band.linear_dhr.mean;
+    band.linear_dop = {
+        dop, std::hypot(polarised.error, dop * band.linear_dhr.error) / band.linear_dhr.mean};
+    double difference2 = 0.0;
+    for (std::size_t cell = 0; cell < whole.hemisphere().cells(); ++cell) {
+      const auto f00 = [&](const trace::Result& r) { return element(r.brdf(cell, w), 0, 0); };
+      const Estimate found = f00(whole);
+      const Estimate linear = mix({point.fraction.mean, 0.0}, contaminant.over(f00), f00(bare));
+      const double d = found.mean - linear.mean;
+      difference2 += whole.hemisphere().cell(cell).projected *
+                     (d * d - found.error * found.error - linear.error * linear.error);
+    }
+    band.shape_difference = std::sqrt(std::max(0.0, difference2) * optics::pi) / band.dhr.mean;
+    point.bands.push_back(band);
+  }
+  point.effective = squares > 0.0 ? Estimate{products / squares, error / squares}
+                                  : Estimate{undefined, undefined};
+  return point;
+}
+
+double MixingLaw::operator()(double fraction) const {
+  return 1.0 - std::pow(1.0 - fraction, gamma);
+}
+
+MixingLaw fit_law(const std::vector<Estimate>& fraction, const std::vector<Estimate>& effective) {
+  MixingLaw law{1.0, undefined, 0.0, 0, 0.0};
+  double information = 0.0;
+  for (int step = 0; step < 100; ++step) {
+    double slope = 0.0;
+    information = law.chi2 = law.largest_miss = 0.0;
+    law.points = 0;
+    for (std::size_t i = 0; i < fraction.size(); ++i) {
+      const double f = fraction[i].mean;
+      if (!std::isfinite(effective[i].mean) || !(f > 0.0 && f < 1.0)) continue;
+      const double left = std::pow(1.0 - f, law.gamma);
+      const double derivative = -left * std::log(1.0 - f);
+      const double by_fraction = law.gamma * left / (1.0 - f) * fraction[i].error;
+      const double variance = effective[i].error * effective[i].error + by_fraction * by_fraction;
+      const double miss = effective[i].mean - (1.0 - left);
+      slope += derivative * miss / variance;
+      information += derivative * derivative / variance;
+      law.chi2 += miss * miss / variance;
+      law.largest_miss = std::max(law.largest_miss, std::abs(miss));
+      ++law.points;
+    }
+    if (law.points == 0 || !(information > 0.0)) return law;
+    const double move = slope / information;
+    // Far from the solution a whole step may overshoot.
+    const double next = law.gamma + std::clamp(move, -0.5 * law.gamma, law.gamma);
+    if (std::abs(next - law.gamma) <= 1e-12 * law.gamma) break;
+    law.gamma = next;
+  }
+  const double scatter = law.points > 1 ? law.chi2 / (law.points - 1) : 1.0;
+  law.gamma_u = std::sqrt(std::max(1.0, scatter) / information);
+  return law;
+}
+
+std::vector<MixtureAngle> analyse_mixture(const std::function<Surface(const Reading&)>& read,
+                                          const MixtureRequest& request) {
+  Reading reading{.seed = request.how.seed};
+  std::vector<Surface> wholes;
+  for (const double factor : request.coverage_factors) {
+    reading.coverage_scale = factor;
+    wholes.push_back(read(reading));
+  }
+  reading.coverage_scale = 1.0;
+  if (wholes.empty() || wholes.front().layers.empty()) {
+    throw Error("a mixture needs particles or drops", "add [[particles]] or [[drops]]");
+  }
+  reading.part = Part::bare;
+  const Surface bare = read(reading);
+  reading.part = Part::contaminant;
+  std::vector<Surface> contaminants;
+  for (reading.layer = 0; reading.layer < wholes.front().layers.size(); ++reading.layer) {
+    contaminants.push_back(read(reading));
+  }
+
+  const trace::Hemisphere hemisphere(request.rings, request.strip,
+                                     optics::radians(request.strip_half_width_deg));
+  const std::size_t an_angle = 1 + contaminants.size() + wholes.size();
+  std::size_t done = 0;
+  const auto stopped = [&] { return request.how.stop && request.how.stop(); };
+  std::vector<MixtureAngle> angles;
+  for (const double theta : request.theta_i_deg) {
+    const auto simulated = [&](const Surface& surface) {
+      if (request.step) request.step(done, an_angle * request.theta_i_deg.size());
+      ++done;
+      trace::Request how = request.how;
+      how.theta_i = optics::radians(theta);
+      const trace::Geometry geometry(surface.scene);
+      const trace::PathTracer tracer(surface.scene, geometry);
+      return trace::simulate(tracer, hemisphere, how);
+    };
+    MixtureAngle angle{theta, simulated(bare), {}, {}, {}, {}, {}};
+    for (const Surface& surface : contaminants) {
+      angle.contaminants.push_back(simulated(surface));
+    }
+    std::vector<const trace::Result*> layers;
+    for (const trace::Result& result : angle.contaminants) layers.push_back(&result);
+    for (const Surface& surface : wholes) {
+      angle.wholes.push_back(simulated(surface));
+      angle.points.push_back(mixed(angle.wholes.back(), angle.bare, layers,
+                                   hidden_shares(surface, theta, request.how),
+                                   surface.scene.wavelengths_um));
+      angle.points.back().theta_i_deg = theta;
+      angle.points.back().coverage = surface.covered;
+    }
+    if (stopped()) break;
+    std::vector<Estimate> fractions, effective;
+    for (const MixturePoint& point : angle.points) {
+      fractions.push_back(point.fraction);
+      effective.push_back(point.effective);
+    }
+    angle.law = fit_law(fractions, effective);
+    for (std::size_t w = 0; w < bare.scene.wavelengths_um.size(); ++w) {
+      std::vector<Estimate> in_band;
+      for (const MixturePoint& point : angle.points) in_band.push_back(point.bands[w].effective);
+      angle.band_laws.push_back(fit_law(fractions, in_band));
+    }
+    angles.push_back(std::move(angle));
+  }
+  return angles;
+}
+
+}  // namespace umov::surface
