@@ -12,7 +12,7 @@
 #include "host/optics/refractive_index.hpp"
 #include "host/surface/gaussian_heights.hpp"
 #include "host/surface/particles.hpp"
-#include "host/surface/scene_table.hpp"
+#include "host/toml/scene_table.hpp"
 #include "host/toml/parse.hpp"
 
 namespace umov::surface {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace umov::surface {
+namespace umov {
 
 /// Every getter notes its key as known; refuse_unknown() refuses the rest. All throw umov::Error
 /// with file and line.
@@ -45,4 +45,4 @@ class SceneTable {
   std::set<std::string, std::less<>> known_;
 };
 
-}  // namespace umov::surface
+}  // namespace umov

@@ -1,4 +1,4 @@
-#include "host/surface/scene_table.hpp"
+#include "host/toml/scene_table.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,7 +8,7 @@
 
 #include "host/errors/error.hpp"
 
-namespace umov::surface {
+namespace umov {
 
 void SceneTable::fail(std::string_view key, const std::string& problem,
                       const std::string& remedy) const {
@@ -125,4 +125,4 @@ void SceneTable::refuse_unknown() const {
   }
 }
 
-}  // namespace umov::surface
+}  // namespace umov
