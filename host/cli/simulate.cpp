@@ -1,4 +1,4 @@
-// umov simulate surface: the polarised BRDF of a described surface by ray tracing.
+// umov simulate, and of it surface: the polarised BRDF of a described surface by ray tracing.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -13,6 +13,7 @@
 #include "host/cli/model_values.hpp"
 #include "host/cli/output_file.hpp"
 #include "host/cli/progress.hpp"
+#include "host/cli/simulate_chamber.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/brdf_h5.hpp"
 #include "host/formats/sha256.hpp"
@@ -137,6 +138,7 @@ void add_simulate_command(CLI::App& root, const Common& common) {
       root.add_subcommand("simulate", "what described things do to light, by ray tracing");
   simulate->require_subcommand(1);
   simulate->fallthrough();
+  add_simulate_chamber_command(*simulate, common);
   auto* command = simulate->add_subcommand(
       "surface", "polarised BRDF of a rough, dirty or wet surface over the whole hemisphere");
   command->fallthrough();
