@@ -56,7 +56,6 @@ class PlanesTable : public Table {
   std::span<const PlanesAtIncidence> incidences() const { return given_; }
   const std::string& origin() const { return origin_; }
 
- private:
   /// The facet that mirrors into a direction, as seen from the two planes.
   struct Facet {
     double tangent;         ///< tan θh
@@ -64,6 +63,13 @@ class PlanesTable : public Table {
     bool backward;          ///< on the retro side of the plane across
     bool left;              ///< y < 0
   };
+  /// The value at a stored wavelength and incidence, by number; also for facets that mirror below
+  /// the horizon there, which neighbouring incidences ask for.
+  double at_facet(std::size_t wavelength, std::size_t incidence, const Facet& facet) const {
+    return value(wavelength, joined_[incidence], facet);
+  }
+
+ private:
   double value(std::size_t wavelength, const PlanesAtIncidence& slice, const Facet& facet) const;
 
   std::vector<double> wavelengths_um_;

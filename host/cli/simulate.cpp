@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include "host/cli/command.hpp"
+#include "host/cli/simulate_chamber.hpp"
 #include "host/cli/simulate_surface.hpp"
 
 namespace umov::cli {
@@ -12,6 +13,7 @@ void add_simulate_command(CLI::App& root, const Common& common) {
   simulate->require_subcommand(1);
   simulate->fallthrough();
   add_simulate_surface(*simulate, common);
+  add_simulate_chamber_command(*simulate, common);
 }
 
 }  // namespace umov::cli

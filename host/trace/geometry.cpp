@@ -78,6 +78,21 @@ struct Geometry::Balls {
   static void intersect(const RTCIntersectFunctionNArguments* args);
 };
 
+// Tubes, then plates, by number.
+struct Geometry::Rounds {
+  std::vector<Tube> tubes;
+  std::vector<Plate> plates;
+  double padding = 0.0;
+
+  /// Calls work(face) with the face of that number.
+  template <class Work>
+  auto with(std::uint32_t number, const Work& work) const {
+    return number < tubes.size() ? work(tubes[number]) : work(plates[number - tubes.size()]);
+  }
+  static void bounds(const RTCBoundsFunctionArguments* args);
+  static void intersect(const RTCIntersectFunctionNArguments* args);
+};
+
 // Called for each triangle that Embree's ray meets before the best one so far.
 void Geometry::Mesh::decide(const RTCFilterFunctionNArguments* args) {
   const auto& mesh = *static_cast<const Mesh*>(args->geometryUserPtr);
@@ -166,7 +181,35 @@ void Geometry::Balls::intersect(const RTCIntersectFunctionNArguments* args) {
   }
 }
 
-Geometry::Geometry(const Scene& scene) : balls_(std::make_unique<Balls>()) {
+void Geometry::Rounds::bounds(const RTCBoundsFunctionArguments* args) {
+  const auto& rounds = *static_cast<const Rounds*>(args->geometryUserPtr);
+  const Box box = rounds.with(args->primID, [](const auto& face) { return box_of(face); });
+  const double pad = rounds.padding;
+  *args->bounds_o = {static_cast<float>(box[0].x - pad), static_cast<float>(box[0].y - pad),
+                     static_cast<float>(box[0].z - pad), 0.0F,
+                     static_cast<float>(box[1].x + pad), static_cast<float>(box[1].y + pad),
+                     static_cast<float>(box[1].z + pad), 0.0F};
+}
+
+void Geometry::Rounds::intersect(const RTCIntersectFunctionNArguments* args) {
+  if (args->valid[0] == 0) return;
+  const auto& rounds = *static_cast<const Rounds*>(args->geometryUserPtr);
+  Search& search = search_of(args->context);
+  const auto distance = rounds.with(args->primID, [&](const auto& face) {
+    return meeting(face, search.origin, search.direction, search.nearest, on_face * search.extent);
+  });
+  if (!distance) return;
+  search.nearest = *distance;
+  search.owner = &rounds;
+  search.face = args->primID;
+  auto* rayhit = reinterpret_cast<RTCRayHit*>(args->rayhit);
+  rayhit->ray.tfar = std::min(rayhit->ray.tfar, embree_distance(search, *distance));
+  rayhit->hit.geomID = args->geomID;
+  rayhit->hit.primID = args->primID;
+}
+
+Geometry::Geometry(const Scene& scene)
+    : balls_(std::make_unique<Balls>()), rounds_(std::make_unique<Rounds>()) {
   scene.check();
   const double width = std::max(scene.size_x, scene.size_y);
   extent_ = width;
@@ -221,8 +264,18 @@ Geometry::Geometry(const Scene& scene) : balls_(std::make_unique<Balls>()) {
       }
     }
   }
+  rounds_->tubes = scene.tubes;
+  rounds_->plates = scene.plates;
+  const auto round_faces = static_cast<std::uint32_t>(scene.tubes.size() + scene.plates.size());
+  for (std::uint32_t i = 0; i < round_faces; ++i) {
+    const Box box = rounds_->with(i, [](const auto& face) { return box_of(face); });
+    include(box[0].z, box[1].z);
+    for (const Vec3& corner : box) {
+      extent_ = std::max({extent_, std::abs(corner.x), std::abs(corner.y)});
+    }
+  }
   extent_ = std::max({extent_, std::abs(top_), std::abs(bottom_)});
-  balls_->padding = 2.0 * single_precision * extent_;
+  balls_->padding = rounds_->padding = 2.0 * single_precision * extent_;
 
   static const Device shared;
   embree_ = rtcNewScene(shared.device);
@@ -251,6 +304,16 @@ Geometry::Geometry(const Scene& scene) : balls_(std::make_unique<Balls>()) {
     rtcSetGeometryUserData(geometry, balls_.get());
     rtcSetGeometryBoundsFunction(geometry, Balls::bounds, nullptr);
     rtcSetGeometryIntersectFunction(geometry, Balls::intersect);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(embree_, geometry);
+    rtcReleaseGeometry(geometry);
+  }
+  if (round_faces > 0) {
+    RTCGeometry geometry = rtcNewGeometry(shared.device, RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(geometry, round_faces);
+    rtcSetGeometryUserData(geometry, rounds_.get());
+    rtcSetGeometryBoundsFunction(geometry, Rounds::bounds, nullptr);
+    rtcSetGeometryIntersectFunction(geometry, Rounds::intersect);
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(embree_, geometry);
     rtcReleaseGeometry(geometry);
@@ -312,6 +375,12 @@ std::optional<Hit> Geometry::nearest(const Vec3& origin, const Vec3& direction,
     hit.normal = out / std::sqrt(dot(out, out));
     hit.position = s.centre + s.radius * hit.normal;
     hit.material = s.material;
+  } else if (search.owner == rounds_.get()) {
+    rounds_->with(search.face, [&](const auto& face) {
+      hit.position = settled(face, hit.position);
+      hit.normal = normal_at(face, hit.position);
+      hit.material = face.material;
+    });
   } else {
     const auto& mesh = *static_cast<const Mesh*>(search.owner);
     hit.normal = mesh.faces[search.face].normal;

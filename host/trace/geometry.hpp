@@ -53,9 +53,11 @@ class Geometry {
   struct Face;
   struct Mesh;
   struct Balls;
+  struct Rounds;
 
   RTCSceneTy* embree_ = nullptr;
   std::unique_ptr<Balls> balls_;
+  std::unique_ptr<Rounds> rounds_;
   std::vector<std::unique_ptr<Mesh>> meshes_;
   double top_ = 0.0;
   double bottom_ = 0.0;

@@ -165,6 +165,30 @@ void Scene::check() const {
              "wrap it into the domain");
     }
   }
+  if (periodic && !(tubes.empty() && plates.empty())) {
+    refuse("it repeats and has round faces", "make it a scene that does not repeat");
+  }
+  for (const Tube& t : tubes) {
+    if (!(t.radius > 0.0 && t.top > t.bottom)) {
+      refuse(
+          fmt::format("a tube has radius {} and reaches from {} to {}", t.radius, t.bottom, t.top),
+          "give it a radius and a height above 0");
+    }
+    if (t.material >= materials.size()) refuse("a tube has no material", "add the material first");
+  }
+  for (const Plate& p : plates) {
+    if (!(p.radius > 0.0)) {
+      refuse(fmt::format("a plate has radius {}", p.radius), "radii must be above 0");
+    }
+    for (const Plate::Hole& hole : p.holes) {
+      if (!(hole.radius > 0.0) || std::hypot(hole.x - p.x, hole.y - p.y) + hole.radius > p.radius) {
+        refuse(fmt::format("a hole of radius {} at ({}, {}) reaches over its plate", hole.radius,
+                           hole.x, hole.y),
+               "make it smaller or move it inwards");
+      }
+    }
+    if (p.material >= materials.size()) refuse("a plate has no material", "add the material first");
+  }
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     const Triangles& mesh = meshes[i];
     if (mesh.materials.size() != mesh.faces.size()) {

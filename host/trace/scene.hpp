@@ -13,6 +13,7 @@
 
 #include "host/optics/mueller.hpp"
 #include "host/trace/material.hpp"
+#include "host/trace/round.hpp"
 
 namespace umov::trace {
 
@@ -45,6 +46,8 @@ struct Scene {
   std::vector<Material> materials;
   std::vector<Sphere> spheres;
   std::vector<Triangles> meshes;
+  std::vector<Tube> tubes;    ///< only in a scene that is not periodic
+  std::vector<Plate> plates;  ///< likewise
 
   /// An empty scene with vacuum in it.
   explicit Scene(std::vector<double> wavelengths);
@@ -59,7 +62,8 @@ struct Scene {
                         MaterialId material);
 
   /// Throws umov::Error that says which value is wrong: spectra that do not fit the wavelengths,
-  /// indices <= 0, albedos outside 0 to 1, radii <= 0, spheres wider than half a periodic domain,
+  /// indices <= 0, albedos outside 0 to 1, radii <= 0, spheres wider than half a periodic domain, round
+  /// faces in one,
   /// unknown materials, an empty domain.
   void check() const;
 };

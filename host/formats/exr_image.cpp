@@ -1,0 +1,81 @@
+#include <ImfArray.h>
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfStringAttribute.h>
+
+#include <exception>
+
+#include "host/errors/error.hpp"
+#include "host/formats/atomic_file.hpp"
+#include "host/formats/image_file.hpp"
+
+namespace umov::formats {
+namespace {
+
+Imf::Slice slice_of(std::vector<float>& values, std::size_t width) {
+  return Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(values.data()), sizeof(float),
+                    sizeof(float) * width);
+}
+
+}  // namespace
+
+void write_exr(const std::filesystem::path& path, std::size_t width, std::size_t height,
+               std::span<const ImagePlane> planes,
+               const std::vector<std::pair<std::string, std::string>>& attributes) {
+  ReplacedFile file(path);
+  try {
+    Imf::Header header(static_cast<int>(width), static_cast<int>(height));
+    header.compression() = Imf::ZIP_COMPRESSION;
+    Imf::FrameBuffer buffer;
+    std::vector<std::vector<float>> stored;
+    stored.reserve(planes.size());
+    for (const ImagePlane& plane : planes) {
+      header.channels().insert(plane.name, Imf::Channel(Imf::FLOAT));
+      std::vector<float>& values = stored.emplace_back();
+      for (const double value : plane.values) values.push_back(static_cast<float>(value));
+      buffer.insert(plane.name, slice_of(values, width));
+    }
+    for (const auto& [name, text] : attributes) {
+      header.insert(name, Imf::StringAttribute(text));
+    }
+    Imf::OutputFile out(file.temporary().string().c_str(), header);
+    out.setFrameBuffer(buffer);
+    out.writePixels(static_cast<int>(height));
+  } catch (const std::exception& error) {
+    throw Error(Place{path.string()}, std::string("OpenEXR cannot write it: ") + error.what(),
+                "check the folder and the space left");
+  }
+  file.commit();
+}
+
+std::vector<double> read_exr(const std::filesystem::path& path, const std::string& channel,
+                             std::size_t& width, std::size_t& height) {
+  std::vector<float> values;
+  try {
+    Imf::InputFile in(path.string().c_str());
+    const auto box = in.header().dataWindow();
+    width = static_cast<std::size_t>(box.max.x - box.min.x + 1);
+    height = static_cast<std::size_t>(box.max.y - box.min.y + 1);
+    if (in.header().channels().findChannel(channel) == nullptr) {
+      throw Error(Place{path.string(), 0, channel}, "there is no such channel",
+                  "name one that the file has");
+    }
+    require_readable_size(width * height * sizeof(float), path.string());
+    values.resize(width * height);
+    Imf::FrameBuffer buffer;
+    buffer.insert(channel, slice_of(values, width));
+    in.setFrameBuffer(buffer);
+    in.readPixels(box.min.y, box.max.y);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Error(Place{path.string()}, std::string("OpenEXR cannot read it: ") + error.what(),
+                "give an OpenEXR file");
+  }
+  return std::vector<double>(values.begin(), values.end());
+}
+
+}  // namespace umov::formats

@@ -1,0 +1,82 @@
+"""umov simulate chamber: a scene file in; map, distribution and their files out."""
+
+import json
+import re
+import unittest
+
+import h5py
+
+from umov_case import SOURCE, UmovCase
+
+EXAMPLE = SOURCE / "examples/chambers/mixing-chamber.toml"
+SMALL = """[chamber]
+diameter_mm = 43
+height_mm = 21.4
+wall = { model = "lambertian", rho = 0.9 }
+[[source]]
+kind = "disk"
+diameter_mm = 5
+flux_lm = 2
+[camera]
+view_deg = 30
+pixels = [20, 12]
+pixel_mm = 2
+rays_per_pixel = 50
+[goniophotometer]
+rays = 1e5
+planes = 4
+[glare]
+"""
+
+
+class SimulateChamber(UmovCase):
+    def scene(self, text):
+        path = self.folder / "scene.toml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    def test_every_file_says_the_same(self):
+        said = json.loads(self.must("simulate", "chamber", self.scene(SMALL), "-o", "sim.h5", "--exr", "map.exr", "--png", "map.png",
+                                    "--ies", "c.ies", "--ldt", "c.ldt", "--json", "--quiet").stdout)
+        self.assertAlmostEqual(said["lid"]["source_lm"], 2)
+        balance = said["lid"]["efficiency"] + said["lid"]["absorbed_fraction"] + said["lid"]["behind_fraction"]
+        self.assertAlmostEqual(balance, 1, places=4)
+        self.assertIn("map", said["ugr"])
+        with h5py.File(self.folder / "sim.h5") as file:
+            luminance = file["map/luminance_cd_m2"][:]
+            self.assertEqual(luminance.shape, (12, 20))
+            self.assertAlmostEqual(luminance.mean(), said["map"]["mean_cd_m2"], places=6)
+            self.assertTrue((file["map/luminance_se"][:] >= 0).all())
+            intensity = file["lid/intensity_cd"][:]
+            self.assertEqual(intensity.shape, (4, 37))
+        self.assertEqual((self.folder / "map.png").read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+        self.assertEqual((self.folder / "map.exr").read_bytes()[:4], b"\x76\x2f\x31\x01")
+        numbers = re.split(r"TILT=NONE\s+", (self.folder / "c.ies").read_text())[1].split()
+        self.assertAlmostEqual(float(numbers[13 + 37 + 5]), intensity[0, 0], places=4)
+        cd_per_klm = float((self.folder / "c.ldt").read_text().splitlines()[42 + 4 + 37])
+        self.assertAlmostEqual(cd_per_klm * 2 / 1000, intensity[0, 0], places=4)
+
+    def test_a_map_is_like_itself_and_less_like_another(self):
+        scene = self.scene(SMALL)
+        self.must("simulate", "chamber", scene, "-o", "a.h5", "--quiet")
+
+        def like(*options):
+            return json.loads(self.must("simulate", "chamber", scene, "--compare", "a.h5", "--json", "--quiet", *options).stdout)["likeness"]
+
+        self.assertAlmostEqual(like("--threads", 1)["ncc"], 1)
+        self.assertLess(like("--seed", 2)["ncc"], 1)
+
+    def test_the_example_runs(self):
+        said = json.loads(self.must("simulate", "chamber", EXAMPLE, "--rays-per-pixel", 4, "--rays", 20000, "--json", "--quiet").stdout)
+        self.assertGreater(said["region"]["mean_cd_m2"], 100)
+        self.assertAlmostEqual(said["lid"]["source_lm"], 3.84)
+
+    def test_refuses_what_cannot_be(self):
+        self.refused("simulate", "chamber", self.scene(SMALL.replace("rho = 0.9", "rho = 1.9")), says=("scene.toml:4", "1.9"))
+        self.refused("simulate", "chamber", self.scene(SMALL.replace("flux_lm = 2", "flux_lm = -2")), says=("scene.toml:8", "-2"))
+        no_gonio = SMALL.replace("[goniophotometer]\nrays = 1e5\nplanes = 4\n", "")
+        self.refused("simulate", "chamber", self.scene(no_gonio), "--ies", "x.ies", says=("x.ies", "goniophotometer"))
+
+
+if __name__ == "__main__":
+    unittest.main()
