@@ -11,8 +11,8 @@ using usb::ControlAnswer;
 namespace {
 
 // How long a host should wait before it asks again: typical times (DS8626, table 47). A device that
-// still works then lets the host's request wait: erasing 128 KB takes 1 to 2 s, a block of 256 words
-// 4 to 26 ms.
+// still works then lets the host's request wait: erasing 128 KB takes 1 to 2 s, a block of 256
+// words 4 to 26 ms.
 constexpr std::uint32_t erase_ms = 1000, block_ms = 5, verify_ms = 100;
 
 }  // namespace
