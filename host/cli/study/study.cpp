@@ -3,6 +3,8 @@
 #include <array>
 
 #include "host/cli/study/ceilings.hpp"
+#include "host/cli/study/chamber.hpp"
+#include "host/cli/study/chamber_gap.hpp"
 #include "host/cli/study/effects.hpp"
 #include "host/cli/study/pointing.hpp"
 #include "host/cli/study/real_data.hpp"
@@ -24,6 +26,10 @@ constexpr std::array all{
           ceilings},
     Study{"pointing", "withheld terms of a telescope's pointing, real runs (seconds; UMOV_DATA)",
           pointing},
+    Study{"chamber", "which BRDF model foretells a luminaire's map, which its intensity (minutes)",
+          chamber},
+    Study{"chamber-gap", "what a simulated luminance map has wrong, named from the map (minutes)",
+          chamber_gap},
 };
 
 }  // namespace
