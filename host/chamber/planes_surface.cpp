@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "host/chamber/fast_angle.hpp"
 #include "host/optics/angles.hpp"
 #include "host/optics/frames.hpp"
 
@@ -86,7 +87,7 @@ double PlanesSurface::of_slice(const Slice& slice, double place, double in_plane
          (1.0 - in_plane_share) * at(left ? slice.left : slice.right);
 }
 
-double PlanesSurface::interpolated(const Vec3& from, const Vec3& to) const {
+double PlanesSurface::interpolated(const Vec3& from, const Vec3& to, double theta_deg) const {
   const double scale = 1.0 / (from.z + to.z);
   const double hx = (from.x + to.x) * scale;
   const double hy = (from.y + to.y) * scale;
@@ -102,7 +103,6 @@ double PlanesSurface::interpolated(const Vec3& from, const Vec3& to) const {
   const double share = squares > 0.0 ? along * along / squares : 1.0;
   const double tangent = std::sqrt(x * x + y * y);
   const double place = std::min(tangent / (1.0 + tangent), 1.0 - 1e-9);
-  const double theta_deg = optics::degrees(std::acos(std::min(1.0, from.z)));
   std::size_t upper = 0;
   while (upper < slices_.size() && slices_[upper].theta_i_deg <= theta_deg) ++upper;
   const Slice& high = slices_[std::min(upper, slices_.size() - 1)];
@@ -115,11 +115,15 @@ double PlanesSurface::interpolated(const Vec3& from, const Vec3& to) const {
 }
 
 double PlanesSurface::value(const Vec3& from, const Vec3& to) const {
-  return energy_factor(from.z) * interpolated(from, to);
+  const double theta_deg = angle_deg(from.z);
+  return factor_at(theta_deg) * interpolated(from, to, theta_deg);
 }
 
 double PlanesSurface::energy_factor(double cosine) const {
-  const double theta = optics::degrees(std::acos(std::min(1.0, cosine)));
+  return factor_at(angle_deg(cosine));
+}
+
+double PlanesSurface::factor_at(double theta) const {
   const std::size_t lower = std::min(static_cast<std::size_t>(theta), factors_.size() - 2);
   const double weight = std::min(1.0, theta - static_cast<double>(lower));
   return factors_[lower] + weight * (factors_[lower + 1] - factors_[lower]);
@@ -136,7 +140,7 @@ double PlanesSurface::interpolated_reflectance(double theta_i_deg) const {
   for (int i = 0; i < count; ++i) {
     const Vec3 to =
         draw(known, (i + 0.5) / count, std::fmod(golden * i, 1.0), std::fmod(plastic * i, 1.0));
-    if (to.z > 1e-9) sum += interpolated(known, to) * to.z / density(known, to);
+    if (to.z > 1e-9) sum += interpolated(known, to, theta_i_deg) * to.z / density(known, to);
   }
   return sum / count;
 }
@@ -219,7 +223,7 @@ void PlanesSurface::fit_lobes() {
         if (!(cos_d > 0.0) || !(to.z > 0.0)) continue;
         const double area =
             t * (2.0 * u / ((1.0 - u * u) * (1.0 - u * u))) / radii * (2.0 * pi / azimuths);
-        const double light = interpolated(known, to) * to.z;
+        const double light = interpolated(known, to, angle_deg(cosine)) * to.z;
         places.push_back({to, light * light, 4.0 * cos_d * cos_h * cos_h * cos_h * area});
       }
     }

@@ -50,7 +50,8 @@ class PlanesSurface {
   double of_slice(const Slice& slice, double place, double in_plane_share, bool backward,
                   bool left) const;
   Lobe lobe_at(double cosine) const;
-  double interpolated(const Vec3& from, const Vec3& to) const;
+  double interpolated(const Vec3& from, const Vec3& to, double theta_deg) const;
+  double factor_at(double theta_deg) const;
   double interpolated_reflectance(double theta_i_deg) const;
   void fit_lobes();
   void keep_energy(std::optional<double> total);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "host/brdf/evaluate.hpp"
+#include "host/chamber/fast_angle.hpp"
 #include "host/errors/error.hpp"
 #include "host/optics/frames.hpp"
 
@@ -77,7 +78,7 @@ struct Overloaded : Functions... {
 }  // namespace
 
 double DiffuseSpecular::specular_at(double cosine) const {
-  const double theta = optics::degrees(std::acos(std::min(1.0, cosine)));
+  const double theta = angle_deg(cosine);
   const auto above = std::upper_bound(theta_i_deg.begin(), theta_i_deg.end(), theta);
   if (above == theta_i_deg.begin()) return specular.front();
   if (above == theta_i_deg.end()) return specular.back();

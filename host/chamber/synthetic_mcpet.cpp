@@ -14,15 +14,16 @@ namespace {
 using optics::radians;
 
 constexpr double wavelength_um = 0.555;
+constexpr double mcpet_alpha = 0.1;
 
 struct Plastic {
   brdf::Model model = brdf::Model::by_name("ggx+subsurface");
   std::vector<double> values;
 
-  Plastic() {
+  explicit Plastic(double alpha = mcpet_alpha) {
     for (const brdf::Parameter& p : model.parameters()) values.push_back(p.initial);
     set("0.n", 1.6);
-    set("0.alpha", 0.1);
+    set("0.alpha", alpha);
     set("1.n", 1.6);
     set("1.rho", 0.9942);
   }
@@ -51,7 +52,12 @@ brdf::Geometry<double> across(double theta_i, double beta) {
 }  // namespace
 
 brdf::PlanesTable synthetic_mcpet(std::span<const double> theta_i_deg, double step_deg) {
-  const Plastic plastic;
+  return synthetic_plastic(mcpet_alpha, theta_i_deg, step_deg);
+}
+
+brdf::PlanesTable synthetic_plastic(double alpha, std::span<const double> theta_i_deg,
+                                    double step_deg) {
+  const Plastic plastic(alpha);
   std::vector<brdf::PlanesAtIncidence> incidences;
   for (const double incidence : theta_i_deg) {
     brdf::PlanesAtIncidence slice;

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "host/chamber/advice.hpp"
 #include "host/chamber/map_picture.hpp"
 #include "host/chamber/result_file.hpp"
 #include "host/chamber/scene_file.hpp"
@@ -31,6 +32,8 @@ struct Options {
   std::string output, exr, png, ies, ldt, compare;
   double rays_per_pixel = 0.0;
   double rays = 0.0;
+  bool advise = false;
+  chamber::Tolerances tolerances;
 };
 
 ordered_json evenness_json(const Map& map) {
@@ -96,6 +99,46 @@ void print(const ordered_json& s) {
   }
 }
 
+/// Simplifies the scene's surfaces and says how much of them it needs.
+void advise(const Options& options, const Common& common, const chamber::Job& job) {
+  Progress progress("advise", common.quiet);
+  chamber::AdviceRequest request;
+  request.tolerances = options.tolerances;
+  request.seed = common.seed;
+  request.threads = common.threads;
+  request.progress = [&](double share) {
+    if (interrupt_flag().load()) throw Interrupted("the simulation was stopped; nothing is kept");
+    progress.update(1000.0 * share, 1000.0);
+  };
+  const chamber::Advice advice = chamber::advise(job, request);
+  progress.finish();
+  if (common.json) {
+    ordered_json rows = ordered_json::array();
+    for (const chamber::Ablation& a : advice.ablations) {
+      ordered_json row = {{"surface", a.surface}, {"knows", a.knows}, {"readings", a.readings}};
+      if (a.intensity) row["intensity_rms_of_peak"] = *a.intensity;
+      if (a.luminance) row["luminance_nrmse"] = *a.luminance;
+      if (a.ncc) row["luminance_ncc"] = *a.ncc;
+      if (a.ugr) row["ugr"] = *a.ugr;
+      rows.push_back(std::move(row));
+    }
+    const ordered_json out = {{"ablations", rows}, {"advice", advice.sentences}};
+    fmt::print("{}\n", out.dump());
+    return;
+  }
+  const auto cell = [](const std::optional<double>& value, double scale) {
+    return value ? fmt::format("{:.2f}", scale * *value) : std::string("-");
+  };
+  fmt::print("{:<12} {:<42} {:>8} {:>10} {:>10} {:>8} {:>6}\n", "surface", "what is known of it",
+             "readings", "LID %", "NRMSE %", "NCC %", "UGR");
+  for (const chamber::Ablation& a : advice.ablations) {
+    fmt::print("{:<12} {:<42} {:>8} {:>10} {:>10} {:>8} {:>6}\n", a.surface, a.knows, a.readings,
+               cell(a.intensity, 100.0), cell(a.luminance, 100.0), cell(a.ncc, 100.0),
+               cell(a.ugr, 1.0));
+  }
+  for (const std::string& sentence : advice.sentences) fmt::print("{}\n", sentence);
+}
+
 void run(const Options& options, const Common& common) {
   for (const std::string& file :
        {options.output, options.exr, options.png, options.ies, options.ldt}) {
@@ -119,6 +162,7 @@ void run(const Options& options, const Common& common) {
   needs(job.distribution.has_value(), options.ies, "goniophotometer");
   needs(job.distribution.has_value(), options.ldt, "goniophotometer");
   catch_interrupts();
+  if (options.advise) return advise(options, common, job);
   Progress progress("simulate", common.quiet);
   const auto watched = [&](const char* what) {
     return [&progress, what](double share) {
@@ -212,6 +256,21 @@ void add_simulate_chamber_command(CLI::App& simulate, const Common& common) {
       ->check(CLI::Range(2.0, 1e9));
   command->add_option("--rays", options->rays, "of the distribution, instead of the scene's")
       ->check(CLI::Range(64.0, 1e12));
+  command->add_flag("--advise", options->advise,
+                    "instead: how much of the surfaces' BRDF does this luminaire need?");
+  command
+      ->add_option("--tolerance-lid", options->tolerances.intensity,
+                   "for --advise: rms error of the intensities over the peak")
+      ->check(CLI::Range(1e-4, 1.0))
+      ->capture_default_str();
+  command
+      ->add_option("--tolerance-luminance", options->tolerances.luminance,
+                   "for --advise: NRMSE of the map")
+      ->check(CLI::Range(1e-4, 1.0))
+      ->capture_default_str();
+  command->add_option("--tolerance-ugr", options->tolerances.ugr, "for --advise: units of UGR")
+      ->check(CLI::Range(1e-3, 100.0))
+      ->capture_default_str();
   command->callback([options, &common] { run(*options, common); });
 }
 

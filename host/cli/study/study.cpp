@@ -3,6 +3,8 @@
 #include <array>
 
 #include "host/cli/study/ceilings.hpp"
+#include "host/cli/study/chamber.hpp"
+#include "host/cli/study/chamber_gap.hpp"
 #include "host/cli/study/contaminants.hpp"
 #include "host/cli/study/effects.hpp"
 #include "host/cli/study/pointing.hpp"
@@ -28,6 +30,10 @@ constexpr std::array all{
     Study{"contaminants",
           "soil and water drops on paint, simulated: figures 4 to 9 of the paper (minutes)",
           contaminants},
+    Study{"chamber", "which BRDF model foretells a luminaire's map, which its intensity (minutes)",
+          chamber},
+    Study{"chamber-gap", "what a simulated luminance map has wrong, named from the map (minutes)",
+          chamber_gap},
 };
 
 }  // namespace

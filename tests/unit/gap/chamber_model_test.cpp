@@ -1,0 +1,78 @@
+// Luminance maps as the forward model of a diagnosis.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "host/chamber/synthetic_mcpet.hpp"
+#include "host/gap/chamber/chamber_model.hpp"
+#include "host/gap/engine/diagnosis.hpp"
+#include "tests/unit/failure.hpp"
+
+namespace umov::gap {
+namespace {
+
+using chamber::Map;
+using chamber::MixingChamber;
+using chamber::Surface;
+
+std::shared_ptr<const Surface> plastic() {
+  static const auto one = std::make_shared<const Surface>(
+      "plastic", chamber::PlanesSurface(chamber::synthetic_mcpet(chamber::mcpet_theta_i_deg, 2.5),
+                                        0, chamber::mcpet_total));
+  return one;
+}
+
+MapOptions coarse() {
+  MapOptions options;
+  options.coarser = 8;
+  options.rays_per_pixel = 2000;
+  options.rays_per_signature = 600;
+  return options;
+}
+
+Map measured(const MixingChamber& c, std::uint64_t seed) {
+  const chamber::Luminaire luminaire = c.luminaire();
+  const chamber::Tracer tracer(luminaire);
+  chamber::MapRequest request;
+  request.rays_per_pixel = 2000;
+  request.seed = seed;
+  return chamber::luminance_map(tracer, c.camera(coarse().coarser), request);
+}
+
+TEST(ChamberModel, AMattSimulationOfAPlasticLacksItsLobe) {
+  MixingChamber simulated;
+  simulated.wall =
+      std::make_shared<const Surface>("matt", chamber::Lambertian{chamber::mcpet_total});
+  const auto signatures =
+      std::make_shared<const MapSignatures>(map_signatures(simulated, coarse()));
+  MixingChamber real = simulated;
+  real.wall = plastic();
+  const ChamberModel model(signatures, measured(real, 99));
+  DiagnoseOptions how;
+  how.draws = 100;
+  const Diagnosis d = diagnose(model, how);
+  ASSERT_FALSE(d.causes.empty());
+  EXPECT_EQ(d.causes.front().effect, "near_specular_lobe");
+  EXPECT_GT(d.closed_fraction.value, 0.9);
+  // Without any effect the simulation is its own map; with one, a map and its change.
+  Eigen::VectorXd mean;
+  Eigen::MatrixXd jacobian;
+  model.predict({{0}, {1.0}, {{0.5}}}, mean, &jacobian);
+  const Eigen::VectorXd expected = signatures->mean + 0.5 * signatures->effects[0].columns.col(0);
+  EXPECT_LT((mean - expected).norm(), 1e-9 * expected.norm());
+  EXPECT_EQ(jacobian.cols(), 2);
+
+  // And a simulation that has nothing wrong is not blamed for anything.
+  const ChamberModel same(signatures, measured(simulated, 98));
+  EXPECT_TRUE(diagnose(same, how).causes.empty());
+
+  Map small = measured(simulated, 98);
+  small.width = 3;
+  EXPECT_NE(failure_of([&] { ChamberModel(signatures, small); }).find("same window"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace umov::gap
