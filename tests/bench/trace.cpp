@@ -3,6 +3,8 @@
 //
 //   bench_trace rate [LAUNCHES]         against bare Embree, on one thread, processor time
 //   bench_trace hemisphere [LAUNCHES]   1,000 particles, 11 bands, all cores, wall clock
+//   bench_trace threads [LAUNCHES]      the same on one thread and on two, wall clock
+//   bench_trace glints [LAUNCHES]       mirror spheres against their closed form, by size of cell
 //
 // Bare Embree gets the very rays of the paths, in their order, in a scene of its own primitives
 // (single precision spheres, triangles without a filter), and starts them behind what this engine
@@ -259,6 +261,76 @@ nlohmann::json hemisphere(const std::string& name, const Scene& scene, std::uint
           {"lost_share", ledger.lost[0] / ledger.launched[0]}};
 }
 
+// Best of five in turn, so that both numbers of threads meet the same machine.
+nlohmann::json threads(const std::string& name, const Scene& scene, std::uint64_t launches) {
+  const Geometry geometry(scene);
+  const PathTracer tracer(scene, geometry);
+  const Hemisphere cells(18, 180, radians(2.0));
+  double best[2] = {1e300, 1e300};
+  for (int run = 0; run < 5; ++run) {
+    for (int count = 1; count <= 2; ++count) {
+      Request request;
+      request.theta_i = radians(20.0);
+      request.samples = launches;
+      request.threads = count;
+      const auto start = std::chrono::steady_clock::now();
+      simulate(tracer, cells, request);
+      const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+      best[count - 1] = std::min(best[count - 1], taken.count());
+    }
+  }
+  return {{"scene", name}, {"one_s", best[0]}, {"two_s", best[1]}, {"gain", best[0] / best[1]}};
+}
+
+// Mirror spheres far from each other on black ground: each sends what it meets evenly all round, so
+// that the mean BRDF of a cell (weighted by cos θr) is C/(4π cos θi) · ΔΩ/∫cos θr dΩ, C what they
+// cover seen from above. Light that meets a second sphere is left out.
+nlohmann::json glints(std::size_t rings, std::size_t strip, std::uint64_t launches) {
+  Scene scene(bands(1));
+  scene.add_plane(0.0, scene.add(Lambertian{{0.0}}));
+  constexpr double radius = 0.08;
+  scene.spheres.push_back({Vec3(0.5, 0.5, radius), radius, scene.add(Conductor{{1.0}, {1e7}})});
+  const Geometry geometry(scene);
+  const PathTracer tracer(scene, geometry);
+  const Hemisphere cells(rings, strip, radians(2.0));
+  Request request;
+  request.theta_i = radians(20.0);
+  request.samples = launches;
+  request.most_meetings = 1;  // from one sphere to another is not in the formula
+  const Result result = simulate(tracer, cells, request);
+  const double power = radius * radius / (4.0 * std::cos(request.theta_i));  // πr²/(4π cos θi)
+  // Up to 80°: beyond, neighbours are in the way.
+  double weighted = 0.0;
+  double weights = 0.0;
+  double squares = 0.0;
+  int count = 0;
+  double narrowest = 1e300;
+  const std::size_t first = strip > 0 ? cells.cells() : 0;
+  for (std::size_t i = first; i < (strip > 0 ? cells.size() : cells.cells()); ++i) {
+    const Cell cell = cells.cell(i);
+    if (std::max(std::abs(cell.theta_low), std::abs(cell.theta_high)) > radians(80.0)) continue;
+    const MuellerEstimate found = result.brdf(i, 0);
+    const double expected = power * cell.solid_angle / cell.projected;
+    const double ratio = found.mean[0][0] / expected;
+    // Weights from what is expected: from what was found they would favour cells that saw little.
+    weighted += cell.solid_angle * ratio;
+    weights += cell.solid_angle;
+    if (found.error[0][0] > 0.0) {
+      const double z = (found.mean[0][0] - expected) / found.error[0][0];
+      squares += z * z;
+      ++count;
+    }
+    narrowest = std::min(narrowest, cell.solid_angle);
+  }
+  const double exits = weights * power * static_cast<double>(result.samples());
+  return {{"cells", strip > 0 ? "strip" : "all round"},
+          {"solid_angle_sr", narrowest},
+          {"number", count},
+          {"mean_ratio", weighted / weights},
+          {"error", 1.0 / std::sqrt(exits)},
+          {"chi2_per_cell", squares / count}};
+}
+
 int run(const std::string& what, std::uint64_t launches) {
   nlohmann::json rows = nlohmann::json::array();
   if (what == "rate") {
@@ -276,6 +348,12 @@ int run(const std::string& what, std::uint64_t launches) {
   } else if (what == "hemisphere") {
     rows.push_back(hemisphere("soil, 1,024 spheres", soil(32, 11), launches));
     rows.push_back(hemisphere("drops of 180°, 1,024", drops(32, 11), launches));
+  } else if (what == "threads") {
+    rows.push_back(threads("soil, 1,024 spheres", soil(32, 11), launches));
+    rows.push_back(threads("drops of 180°, 1,024", drops(32, 11), launches));
+  } else if (what == "glints") {
+    for (const std::size_t rings : {3, 9, 18, 45, 90}) rows.push_back(glints(rings, 0, launches));
+    for (const std::size_t strip : {18, 90, 360}) rows.push_back(glints(1, strip, launches));
   } else {
     return 2;
   }
@@ -289,7 +367,7 @@ int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
   const long launches = argc > 2 ? std::atol(argv[2]) : 300'000;
   if (launches < 1 || run(what, static_cast<std::uint64_t>(launches)) != 0) {
-    std::fputs("bench_trace rate|hemisphere [LAUNCHES]\n", stderr);
+    std::fputs("bench_trace rate|hemisphere|threads|glints [LAUNCHES]\n", stderr);
     return 2;
   }
   return 0;
