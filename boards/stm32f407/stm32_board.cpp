@@ -25,7 +25,7 @@ void configure_watched(Pin pin, Edge edge) {
 
 /// The supply's voltage: EXTI line 16 rises when it falls below the detector's level.
 void watch_supply() {
-  set_bits(pwr().CR, pwr_bits::PLS_HIGHEST | pwr_bits::PVDE);
+  set_bits(pwr().CR, pwr_bits::PLS_2V84 | pwr_bits::PVDE);
   set_bits(exti().RTSR, supply_line);
   exti().PR = supply_line;
   set_bits(exti().IMR, supply_line);

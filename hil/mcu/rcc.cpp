@@ -185,8 +185,8 @@ void Pwr::set_supply(std::uint32_t millivolts) {
 
 void Pwr::compare() {
   // Datasheet table 19, falling edges, typical.
-  constexpr std::array<std::uint32_t, 8> level_mv = {2040, 2190, 2340, 2480,
-                                                     2650, 2760, 2840, 2930};
+  constexpr std::array<std::uint32_t, 8> level_mv = {2040, 2190, 2350, 2510,
+                                                     2660, 2840, 2930, 3030};
   const bool low = (cr_ & 0x10u) != 0 && supply_mv_ < level_mv[cr_ >> 5 & 7u];
   if (low == low_) return;
   low_ = low;

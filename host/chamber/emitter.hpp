@@ -23,6 +23,8 @@ struct Emitter {
   Vec3 half_u, half_v;
   bool disc;
   std::shared_ptr<const IntensityTable> table = nullptr;  ///< nothing: Lambertian
+  /// How far from here its faces may lie, whose corners are single precision.
+  double clearance_mm = 0.0;
 
   double area_mm2() const;
   /// A point for u1, u2 in [0, 1), uniform by area.

@@ -1,6 +1,8 @@
 #include "host/chamber/luminaire.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "host/optics/frames.hpp"
@@ -26,12 +28,16 @@ void Luminaire::add_emitter(Emitter emitter, std::shared_ptr<const Surface> surf
                             std::sqrt(optics::dot(emitter.half_u, emitter.half_u)),
                             emitter.normal.z > 0.0, emitter.material});
   } else {
+    constexpr double single_precision = 1.2e-7;
+    double farthest = 0.0;
     trace::Triangles mesh;
     for (const auto& [u, v] : {std::pair{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}}) {
       const Vec3 p = emitter.centre + u * emitter.half_u + v * emitter.half_v;
       mesh.vertices.push_back(
           {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+      farthest = std::max({farthest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
     }
+    emitter.clearance_mm = 2.0 * single_precision * farthest;
     mesh.faces = {{0, 1, 2}, {0, 2, 3}};
     mesh.materials = {emitter.material, emitter.material};
     scene.meshes.push_back(std::move(mesh));

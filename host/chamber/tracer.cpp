@@ -137,7 +137,8 @@ double Tracer::next_event(const Place& place, Estimator estimator, const std::ar
   const double shines = emitter.luminance(-direction);
   if (!(f * shines > 0.0)) return 0.0;
   ++work.rays;
-  const auto hit = nearest(place.position, direction, distance * (1.0 + 1e-6));
+  const double reach = distance * (1.0 + 1e-6) + emitter.clearance_mm / cosine_there;
+  const auto hit = nearest(place.position, direction, reach);
   if (!hit || hit->material != emitter.material) return 0.0;
   const double density = choice * distance2 / (cosine_there * area_mm2_[chosen]);
   double weight = 1.0;
@@ -214,7 +215,7 @@ std::optional<Tracer::Exit> Tracer::launch(double flux_lm, double stratum, std::
   const Emitter& emitter = luminaire_.emitters[emitter_at(stratum)];
   const auto u = uniforms(seed, path, 0);
   const auto v = uniforms(seed, path, 1);
-  Vec3 position = emitter.point(u[0], u[1]);
+  Vec3 position = emitter.point(u[0], u[1]) + emitter.clearance_mm * emitter.normal;
   const Emitter::Launch start = emitter.launch(u[2], u[3], v[0]);
   Vec3 along = start.direction;
   double flux = flux_lm * start.weight;

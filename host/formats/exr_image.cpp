@@ -57,6 +57,10 @@ std::vector<double> read_exr(const std::filesystem::path& path, const std::strin
   try {
     Imf::InputFile in(path.string().c_str());
     const auto box = in.header().dataWindow();
+    if (box.min.x != 0 || box.min.y != 0) {
+      throw Error(Place{path.string(), 0, "dataWindow"}, "the pixels do not begin at (0, 0)",
+                  "give the whole image, not a crop");
+    }
     width = static_cast<std::size_t>(box.max.x - box.min.x + 1);
     height = static_cast<std::size_t>(box.max.y - box.min.y + 1);
     if (in.header().channels().findChannel(channel) == nullptr) {

@@ -25,8 +25,9 @@ inline PwrRegisters& pwr() {
 }
 namespace pwr_bits {
 inline constexpr std::uint32_t VOS_SCALE_1 = bit(14);
-/// CR: the voltage detector at its highest level, 2.8 to 2.9 V. CSR: below it.
-inline constexpr std::uint32_t PVDE = bit(4), PLS_HIGHEST = 7u << 5, PVDO = bit(2);
+/// CR: the voltage detector at its sixth level, 2.84 V falling (2.65 to 2.92) and 2.93 V rising:
+/// boards that feed the chip through a diode run at 2.95 V. CSR: below it.
+inline constexpr std::uint32_t PVDE = bit(4), PLS_2V84 = 5u << 5, PVDO = bit(2);
 }  // namespace pwr_bits
 
 }  // namespace umov::boards::stm32f407

@@ -54,6 +54,8 @@ void SettingsPages::begin() {
     newest_ = {};
     sequence_ = 0;
     damaged_ = pages[0].damaged_after || pages[1].damaged_after;
+    // Something else stood in this flash before: without room nothing could ever be saved.
+    if (used_[0] == slots() && used_[1] == slots() && flash_->erase(0)) used_[0] = 0;
     return;
   }
   const bool second = has(1) && (!has(0) || pages[1].sequence > pages[0].sequence);

@@ -25,9 +25,6 @@ constexpr std::uint64_t launches = 20'000'000;
 // A camera does not see the noise of rays: where it is compared, the measurement has ten times
 // their number.
 constexpr std::uint64_t rays_per_measured_pixel = 10'000;
-// Enough for means and shares.
-constexpr std::uint64_t rays_of_depths = 200;
-constexpr std::uint64_t launches_of_depths = 2'000'000;
 
 /// What one chamber gives.
 struct Taken {
@@ -72,15 +69,14 @@ class ChamberStudy {
   }
 
   Taken take(const MixingChamber& chamber, double from, double to, const std::string& what,
-             std::uint64_t seed, bool quick = false) {
+             std::uint64_t seed) {
     const chamber::Luminaire luminaire = chamber.luminaire();
     const chamber::Tracer tracer(luminaire);
     chamber::MapRequest request = map_request(from, to, what);
     request.seed = seed;
-    if (quick) request.rays_per_pixel = rays_of_depths;
     Taken taken{chamber::luminance_map(tracer, chamber.camera(), request), {}};
     chamber::DistributionRequest lid;
-    lid.rays = quick ? launches_of_depths : launches;
+    lid.rays = launches;
     lid.planes = 8;
     lid.angles = 19;
     lid.seed = seed;
@@ -103,8 +99,10 @@ class ChamberStudy {
          "0.96 lm each, view from 55°, 125 × 300 pixels of 0.2 mm, 1000 rays a pixel, R_total "
          ".984.",
          "Not published: the ring of holes and the depth of the sources. No hole is in view from "
-         "55°, so a ring on the diagonals has at most 9.3 mm. **8 mm was fixed before any map was "
-         "looked at**; the sheet is 1 mm thick and the sources lie behind it, so the depth is 1 "
+         "55°, so a ring on the diagonals has at most 9.3 mm; 8 mm is taken (6.6 mm, with sources "
+         ".5 "
+         "mm deep, stood in an earlier version of the example). The sheet is 1 mm thick and the "
+         "sources lie behind it, so the depth is 1 "
          "mm in everything but the table of depths.",
          "The measured curves of MCPET are printed as pictures only. The plastic here is "
          "**synthetic**: `ggx+subsurface` (n = 1.6, α = .1), each incidence scaled to reflect "
@@ -164,7 +162,7 @@ class ChamberStudy {
         "goes aside; the region's mean falls with it. In brackets: the same lumens by "
         "radiosity, without a ray (`host/chamber/radiosity`). A maximum over 4,000 pixels holds "
         "the largest noise of 4,000 as well, some 3.5 of its standard errors, and a minimum "
-        "likewise; here with 200 rays a pixel.");
+        "likewise.");
   }
 
   static chamber::Radiosity solve(const MixingChamber& c) {

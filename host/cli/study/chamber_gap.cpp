@@ -69,7 +69,7 @@ class GapStudy {
     page_.paragraph(fmt::format(
         "Command `{}`. The engine of `umov diagnose` (`host/gap/engine`) is given a luminance map "
         "of the mixing chamber of `studies/chamber.md` at 1 mm a pixel, its noise, a simulation, "
-        "and how the simulated map changes with each of nine things that may be wrong. It is not "
+        "and how the simulated map changes with each of eight things that may be wrong. It is not "
         "told which. Lobes are tried at widths of .06, .12 and .24; the plastic has .1.",
         options_.command));
     models();

@@ -139,6 +139,53 @@ TEST(LambertianDisc, HasTheIntensityOfTheCosine) {
   EXPECT_NEAR(d.photometry().zonal_lm(0.0, 90.0), pi, 0.02);
 }
 
+/// A rectangle about a centre whose coordinates no single-precision number has.
+Emitter rectangle(const Vec3& centre, const Vec3& half_u, const Vec3& half_v) {
+  Emitter e{};
+  e.name = "rectangle";
+  e.flux_lm = 1.0;
+  e.centre = centre;
+  const Vec3 normal = optics::cross(half_u, half_v);
+  e.normal = normal / std::sqrt(optics::dot(normal, normal));
+  e.half_u = half_u;
+  e.half_v = half_v;
+  e.disc = false;
+  return e;
+}
+
+TEST(Rectangles, SendAllTheirLightWhereverTheyStand) {
+  const Vec3 tilted_u(3.1, 0.7, 0.4), tilted_v(-0.7, 3.1, 0.0);
+  for (const Vec3& centre : {Vec3(0.0, 0.0, 0.1), Vec3(33.3, -7.7, 5.4), Vec3(0.3, 0.2, -0.6)}) {
+    for (const auto& [u, v] : {std::pair{Vec3(2.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0)},
+                               {Vec3(0.0, 1.0, 0.0), Vec3(2.0, 0.0, 0.0)},
+                               {tilted_u, tilted_v}}) {
+      Luminaire l;
+      l.add_emitter(rectangle(centre, u, v), matt(0.0));
+      const Tracer tracer(l);
+      const Distribution d = intensity_distribution(tracer, {.rays = 20'000, .planes = 4});
+      EXPECT_NEAR(d.efficiency(), 1.0, 1e-12) << centre.x << " " << centre.z;
+      EXPECT_EQ(d.fate.behind, 0.0);
+    }
+  }
+}
+
+TEST(Rectangles, AreFoundByShadowRaysFromClose) {
+  // A matt plate under a face of .1 mm above: the plate's brightness by next event alone is that
+  // by chance.
+  Luminaire l;
+  l.add_emitter(rectangle(Vec3(40.3, 0.0, 0.1), Vec3(0.0, 8.0, 0.0), Vec3(8.0, 0.0, 0.0)),
+                matt(0.0));
+  const trace::MaterialId plate = l.add(matt(0.5));
+  l.scene.plates.push_back({40.3, 0.0, 0.0, 20.0, true, plate});
+  const Tracer tracer(l);
+  const Vec3 down = Vec3(-1.0, 0.0, -0.006) / std::sqrt(1.0 + 0.006 * 0.006);
+  const Vec3 eye = Vec3(40.3, 0.0, 0.0) - 9.5 * down;
+  const Mean by_events = seen(tracer, eye, down, 20'000, Estimator::next_event);
+  const Mean by_chance = seen(tracer, eye, down, 20'000, Estimator::unidirectional);
+  EXPECT_GT(by_chance.value, 0.0);
+  EXPECT_NEAR(by_events.value, by_chance.value, 4.0 * std::hypot(by_events.error, by_chance.error));
+}
+
 TEST(DiffuseChamber, AgreesWithRadiosityInEveryZone) {
   const Zones zones{
       {0.0, 5.0, 10.0, 16.0, PaperChamber::height}, {0.0, 12.0, PaperChamber::radius}, 5, 72};

@@ -168,6 +168,25 @@ TEST(SettingsPages, DamageToTheLastSavedIsFoundAndTheNextSavingEndsIt) {
   }
 }
 
+TEST(SettingsPages, FlashThatHeldSomethingElseTakesSettingsAfterTheNextStart) {
+  FakePages flash(8 * fw::SettingsPages::slot_words);
+  for (auto& page : flash.contents)
+    for (std::size_t i = 0; i < page.size(); ++i)
+      page[i] = 0x1234'5678u + static_cast<std::uint32_t>(i);
+  std::array<std::uint8_t, 5> bytes{1, 2, 3, 4, 5};
+  {
+    fw::SettingsPages pages(flash);
+    pages.begin();
+    EXPECT_TRUE(pages.save(7, bytes));
+  }
+  fw::SettingsPages pages(flash);
+  pages.begin();
+  std::array<std::uint8_t, 5> read{};
+  EXPECT_EQ(pages.load(7, read), Loaded::good);
+  EXPECT_EQ(read, bytes);
+  EXPECT_TRUE(pages.save(7, bytes));
+}
+
 TEST(SettingsPages, SettingsOfAnotherLayoutAreNotTaken) {
   FakePages flash(4 * fw::SettingsPages::slot_words);
   fw::SettingsPages pages(flash);

@@ -101,7 +101,7 @@ std::vector<Trouble<Rig>> troubles() {
        .dark_within = 0.255 * core_hz,
        .cause = [](Rig& rig) { rig.stand_still(dead_us); },
        .restarts = true},
-      {.name = "supply sags below 2.9 V",
+      {.name = "supply sags below 2.84 V",
        .fault = Fault::brown_out,
        .dark_within = by_pin,
        .cause = [](Rig& rig) { rig.supply(true); },

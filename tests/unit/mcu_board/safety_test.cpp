@@ -207,6 +207,17 @@ TEST_F(SafetyOfTheBoard, ABrownOutIsToldFromAPowerOn) {
   EXPECT_EQ(log_entry(0).fault, static_cast<std::uint8_t>(Fault::brown_out)) << "still in the log";
 }
 
+TEST_F(SafetyOfTheBoard, ABoardThatFeedsTheChipThroughADiodeIsNotBrownedOut) {
+  // 2.95 V: what is left of 3.3 V behind a Schottky diode.
+  board_.chip().set_supply(2950);
+  measure();
+  EXPECT_EQ(fault(), Fault::none);
+  board_.chip().set_supply(2800);
+  board_.run_for(5'000);
+  EXPECT_EQ(fault(), Fault::brown_out);
+  EXPECT_TRUE(bench_.dark());
+}
+
 TEST_F(SafetyOfTheBoard, AHostThatFallsSilentLeavesItDark) {
   measure();
   board_.run_for(2'900'000);
