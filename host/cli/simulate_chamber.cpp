@@ -16,9 +16,9 @@
 #include "host/cli/interrupt.hpp"
 #include "host/cli/output_file.hpp"
 #include "host/cli/progress.hpp"
+#include "host/cli/scene_digest.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/atomic_file.hpp"
-#include "host/formats/sha256.hpp"
 
 namespace umov::cli {
 namespace {
@@ -210,7 +210,7 @@ void run(const Options& options, const Common& common) {
                      {"mean_deviation", l.mean_deviation}};
   }
   if (!options.output.empty()) {
-    result.keys = {{"scene_sha256", formats::sha256_of_file(options.scene)},
+    result.keys = {{"scene_sha256", scene_digest(options.scene)},
                    {"seed", std::to_string(common.seed)}};
     formats::Provenance provenance;
     provenance.program = "umov " UMOV_VERSION;

@@ -11,11 +11,11 @@
 
 #include "host/cli/interrupt.hpp"
 #include "host/cli/output_file.hpp"
+#include "host/cli/scene_digest.hpp"
 #include "host/cli/simulate_mixture.hpp"
 #include "host/cli/surface_run.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/brdf_h5.hpp"
-#include "host/formats/sha256.hpp"
 #include "host/formats/table_file.hpp"
 #include "host/optics/angles.hpp"
 #include "host/surface/brdf_export.hpp"
@@ -164,7 +164,7 @@ void write(const Options& options, const Common& common, const surface::Surface&
       append(table, std::move(part));
     }
   }
-  table.keys = {{"scene_sha256", formats::sha256_of_file(options.scene)},
+  table.keys = {{"scene_sha256", scene_digest(options.scene)},
                 {"seed", std::to_string(common.seed)}};
   formats::Provenance provenance;
   provenance.program = "umov " UMOV_VERSION;

@@ -11,8 +11,8 @@
 #include "host/cli/interrupt.hpp"
 #include "host/cli/model_values.hpp"
 #include "host/cli/progress.hpp"
+#include "host/cli/scene_digest.hpp"
 #include "host/errors/error.hpp"
-#include "host/formats/sha256.hpp"
 #include "host/optics/angles.hpp"
 #include "host/surface/run_state.hpp"
 
@@ -83,10 +83,9 @@ std::vector<trace::Result> SurfaceRun::simulate(const surface::Surface& describe
   const std::vector<double> theta = angles(described);
   trace::Request request = this->request(described);
 
-  const std::string run =
-      fmt::format("{} {} {} {} {} {} {} {}", formats::sha256_of_file(options_.scene), common_.seed,
-                  fmt::join(theta, " "), request.block, options_.rings, options_.strip,
-                  options_.strip_half_width_deg, UMOV_VERSION);
+  const std::string run = fmt::format(
+      "{} {} {} {} {} {} {} {}", scene_digest(options_.scene), common_.seed, fmt::join(theta, " "),
+      request.block, options_.rings, options_.strip, options_.strip_half_width_deg, UMOV_VERSION);
   surface::RunState state;
   if (options_.resume) {
     state = surface::load_state(options_.state_file(), run);

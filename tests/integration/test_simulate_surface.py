@@ -81,7 +81,7 @@ class SimulateSurface(UmovCase):
         command = ["simulate", "surface", scene, "--theta-i", 30, "-o", "sim.h5", "--quiet", "--json"]
         running = subprocess.Popen([UMOV, *map(str, command), "--samples", "1e9"], cwd=self.folder,
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        time.sleep(1.0)
+        time.sleep(3.0)
         running.send_signal(signal.SIGINT)
         said, complaint = running.communicate(timeout=60)
         self.assertEqual(running.returncode, 130, complaint)
@@ -97,6 +97,21 @@ class SimulateSurface(UmovCase):
         whole = json.loads(self.must(*command, "--samples", more).stdout)
         self.assertEqual(resumed["bands"], whole["bands"])
         self.assertEqual(resumed["rays"], whole["rays"])
+
+    def test_a_run_does_not_go_on_with_another_spectrum(self):
+        spectrum = self.folder / "paint.csv"
+        spectrum.write_text("wavelength_um,rho\n0.4,0.2\n0.8,0.6\n", encoding="utf-8")
+        scene = self.scene(PAINT.replace("rho = [0.2, 0.6]", 'rho = { file = "paint.csv", column = "rho" }') + SOIL)
+        command = ["simulate", "surface", scene, "-o", "sim.h5", "--quiet"]
+        running = subprocess.Popen([UMOV, *map(str, command), "--samples", "1e9"], cwd=self.folder,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        time.sleep(2.0)
+        running.send_signal(signal.SIGINT)
+        _, complaint = running.communicate(timeout=60)
+        self.assertEqual(running.returncode, 130, complaint)
+        spectrum.write_text("wavelength_um,rho\n0.4,0.3\n0.8,0.6\n", encoding="utf-8")
+        refused = self.umov(*command, "--samples", "2e9", "--resume")
+        self.assertIn("another scene", refused.stderr)
 
     @unittest.skipUnless(shutil.which("mpirun"), "mpirun is not installed")
     def test_four_ranks_give_the_bits_of_one(self):
