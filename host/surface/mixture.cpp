@@ -40,6 +40,14 @@ Estimate mix(const Estimate& fraction, const Estimate& contaminant, const Estima
                      (contaminant.mean - bare.mean) * fraction.error)};
 }
 
+void add_up(EffectiveFraction& f) {
+  f.error = std::hypot(f.own, f.by_bare, f.by_contaminant);
+}
+
+EffectiveFraction unknown_fraction() {
+  return {{undefined, undefined}};
+}
+
 Estimate element(const trace::MuellerEstimate& e, int row, int column) {
   return {optics::element(e.mean, row, column), optics::element(e.error, row, column)};
 }
@@ -85,11 +93,13 @@ MixturePoint mixed(const trace::Result& whole, const trace::Result& bare,
     point.fraction.error = std::hypot(point.fraction.error, share.error);
   }
   for (const Estimate& share : shares) {
-    contaminant.weight.push_back(share.mean / point.fraction.mean);
+    contaminant.weight.push_back(point.fraction.mean > 0.0
+                                     ? share.mean / point.fraction.mean
+                                     : 1.0 / static_cast<double>(shares.size()));
   }
   double products = 0.0;
   double squares = 0.0;
-  double error = 0.0;
+  EffectiveFraction sum{{0.0, 0.0}};
   for (std::size_t w = 0; w < wavelengths_um.size(); ++w) {
     MixtureBand band{};
     band.wavelength_um = wavelengths_um[w];
@@ -102,15 +112,20 @@ MixturePoint mixed(const trace::Result& whole, const trace::Result& bare,
     const double contrast = dirty.mean - clean.mean;
     const double contrast_u = std::hypot(dirty.error, clean.error);
     const double change = band.dhr.mean - clean.mean;
-    band.effective = {undefined, undefined};
+    band.effective = unknown_fraction();
     if (std::abs(contrast) > least_contrast * contrast_u) {
       const double f = change / contrast;
-      band.effective = {f, std::hypot(band.dhr.error, f * dirty.error, (1.0 - f) * clean.error) /
-                               std::abs(contrast)};
+      band.effective = {{f, 0.0},
+                        band.dhr.error / std::abs(contrast),
+                        (f - 1.0) * clean.error / std::abs(contrast),
+                        -f * dirty.error / std::abs(contrast)};
+      add_up(band.effective);
       products += change * contrast;
       squares += contrast * contrast;
       // All wavelengths come from the same rays: their errors go together.
-      error += band.effective.error * contrast * contrast;
+      sum.own += band.effective.own * contrast * contrast;
+      sum.by_bare += band.effective.by_bare * contrast * contrast;
+      sum.by_contaminant += band.effective.by_contaminant * contrast * contrast;
     }
     band.dop = whole.hemispherical_dop(w);
     const Estimate polarised = mix(point.fraction, contaminant.over(m10), m10(bare));
@@ -129,8 +144,14 @@ MixturePoint mixed(const trace::Result& whole, const trace::Result& bare,
     band.shape_difference = std::sqrt(std::max(0.0, difference2) * optics::pi) / band.dhr.mean;
     point.bands.push_back(band);
   }
-  point.effective = squares > 0.0 ? Estimate{products / squares, error / squares}
-                                  : Estimate{undefined, undefined};
+  point.effective = unknown_fraction();
+  if (squares > 0.0) {
+    point.effective = {{products / squares, 0.0},
+                       sum.own / squares,
+                       sum.by_bare / squares,
+                       sum.by_contaminant / squares};
+    add_up(point.effective);
+  }
   return point;
 }
 
@@ -138,11 +159,15 @@ double MixingLaw::operator()(double fraction) const {
   return 1.0 - std::pow(1.0 - fraction, gamma);
 }
 
-MixingLaw fit_law(const std::vector<Estimate>& fraction, const std::vector<Estimate>& effective) {
+MixingLaw fit_law(const std::vector<Estimate>& fraction,
+                  const std::vector<EffectiveFraction>& effective) {
   MixingLaw law{1.0, undefined, 0.0, 0, 0.0};
   double information = 0.0;
+  double by_bare = 0.0;
+  double by_contaminant = 0.0;
   for (int step = 0; step < 100; ++step) {
     double slope = 0.0;
+    by_bare = by_contaminant = 0.0;
     information = law.chi2 = law.largest_miss = 0.0;
     law.points = 0;
     for (std::size_t i = 0; i < fraction.size(); ++i) {
@@ -151,9 +176,11 @@ MixingLaw fit_law(const std::vector<Estimate>& fraction, const std::vector<Estim
       const double left = std::pow(1.0 - f, law.gamma);
       const double derivative = -left * std::log(1.0 - f);
       const double by_fraction = law.gamma * left / (1.0 - f) * fraction[i].error;
-      const double variance = effective[i].error * effective[i].error + by_fraction * by_fraction;
+      const double variance = effective[i].own * effective[i].own + by_fraction * by_fraction;
       const double miss = effective[i].mean - (1.0 - left);
       slope += derivative * miss / variance;
+      by_bare += derivative * effective[i].by_bare / variance;
+      by_contaminant += derivative * effective[i].by_contaminant / variance;
       information += derivative * derivative / variance;
       law.chi2 += miss * miss / variance;
       law.largest_miss = std::max(law.largest_miss, std::abs(miss));
@@ -167,7 +194,8 @@ MixingLaw fit_law(const std::vector<Estimate>& fraction, const std::vector<Estim
     law.gamma = next;
   }
   const double scatter = law.points > 1 ? law.chi2 / (law.points - 1) : 1.0;
-  law.gamma_u = std::sqrt(std::max(1.0, scatter) / information);
+  law.gamma_u = std::hypot(std::sqrt(std::max(1.0, scatter) / information), by_bare / information,
+                           by_contaminant / information);
   return law;
 }
 
@@ -195,13 +223,20 @@ std::vector<MixtureAngle> analyse_mixture(const std::function<Surface(const Read
                                      optics::radians(request.strip_half_width_deg));
   const std::size_t an_angle = 1 + contaminants.size() + wholes.size();
   std::size_t done = 0;
+  // Each simulation has random numbers of its own: with the same, errors would go together.
+  std::uint64_t number = 0;
+  const auto with_own_seed = [&] {
+    trace::Request how = request.how;
+    how.seed += ++number << 40;
+    return how;
+  };
   const auto stopped = [&] { return request.how.stop && request.how.stop(); };
   std::vector<MixtureAngle> angles;
   for (const double theta : request.theta_i_deg) {
     const auto simulated = [&](const Surface& surface) {
       if (request.step) request.step(done, an_angle * request.theta_i_deg.size());
       ++done;
-      trace::Request how = request.how;
+      trace::Request how = with_own_seed();
       how.theta_i = optics::radians(theta);
       const trace::Geometry geometry(surface.scene);
       const trace::PathTracer tracer(surface.scene, geometry);
@@ -216,20 +251,21 @@ std::vector<MixtureAngle> analyse_mixture(const std::function<Surface(const Read
     for (const Surface& surface : wholes) {
       angle.wholes.push_back(simulated(surface));
       angle.points.push_back(mixed(angle.wholes.back(), angle.bare, layers,
-                                   hidden_shares(surface, theta, request.how),
+                                   hidden_shares(surface, theta, with_own_seed()),
                                    surface.scene.wavelengths_um));
       angle.points.back().theta_i_deg = theta;
       angle.points.back().coverage = surface.covered;
     }
     if (stopped()) break;
-    std::vector<Estimate> fractions, effective;
+    std::vector<Estimate> fractions;
+    std::vector<EffectiveFraction> effective;
     for (const MixturePoint& point : angle.points) {
       fractions.push_back(point.fraction);
       effective.push_back(point.effective);
     }
     angle.law = fit_law(fractions, effective);
     for (std::size_t w = 0; w < bare.scene.wavelengths_um.size(); ++w) {
-      std::vector<Estimate> in_band;
+      std::vector<EffectiveFraction> in_band;
       for (const MixturePoint& point : angle.points) in_band.push_back(point.bands[w].effective);
       angle.band_laws.push_back(fit_law(fractions, in_band));
     }

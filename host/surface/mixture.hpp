@@ -18,11 +18,18 @@ namespace umov::surface {
 std::vector<trace::Estimate> hidden_shares(const Surface& surface, double theta_i_deg,
                                            const trace::Request& how);
 
+/// An effective fraction with its whole error and the parts of it: of the simulation of the dirty
+/// surface, and what one standard error of the bare surface's and of the contaminant's simulation
+/// moves it by. The latter two are common to all coverages at an angle.
+struct EffectiveFraction : trace::Estimate {
+  double own = 0.0, by_bare = 0.0, by_contaminant = 0.0;
+};
+
 struct MixtureBand {
   double wavelength_um;
   trace::Estimate dhr, linear_dhr;
   /// NaN where the contaminant reflects as the bare surface does (within five errors).
-  trace::Estimate effective;
+  EffectiveFraction effective;
   trace::Estimate dop, linear_dop;  ///< hemispherical, of unpolarised light
   /// Root mean square over the hemisphere (weighted by cos θr dΩ) of simulated minus mixed BRDF,
   /// over the mean of the simulated one; the noise is taken out.
@@ -32,13 +39,14 @@ struct MixtureBand {
 /// A scene at one angle and one coverage.
 struct MixturePoint {
   double theta_i_deg;
-  double coverage;            ///< seen from above
-  trace::Estimate fraction;   ///< f, seen along the incident light
-  trace::Estimate effective;  ///< that fits all wavelengths best (least squares)
+  double coverage;              ///< seen from above
+  trace::Estimate fraction;     ///< f, seen along the incident light
+  EffectiveFraction effective;  ///< that fits all wavelengths best (least squares)
   std::vector<MixtureBand> bands;
 };
 
-/// `contaminants` and `shares`: one a layer.
+/// `contaminants` and `shares`: one a layer. The simulations must be independent (seeds of their
+/// own). Where nothing is hidden all layers count alike.
 MixturePoint mixed(const trace::Result& whole, const trace::Result& bare,
                    const std::vector<const trace::Result*>& contaminants,
                    const std::vector<trace::Estimate>& shares,
@@ -55,15 +63,15 @@ struct MixingLaw {
   double operator()(double fraction) const;
 };
 
-/// Weighted by the errors of both fractions; γ's own is widened where the points scatter by more
-/// than theirs.
+/// Weighted by the errors of both fractions that are each point's own; γ's is widened where the
+/// points scatter by more than these, and holds what is common to all points.
 MixingLaw fit_law(const std::vector<trace::Estimate>& fraction,
-                  const std::vector<trace::Estimate>& effective);
+                  const std::vector<EffectiveFraction>& effective);
 
 struct MixtureRequest {
   std::vector<double> theta_i_deg;
   std::vector<double> coverage_factors;  ///< of the scene's coverages
-  trace::Request how;                    ///< of every simulation but for θi
+  trace::Request how;  ///< of every simulation but for θi and the seed's own part
   std::size_t rings = 18, strip = 180;
   double strip_half_width_deg = 2.0;
   /// Called before each simulation with its number and how many there are.

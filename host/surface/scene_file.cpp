@@ -58,7 +58,7 @@ class Reader {
 
     std::vector<SceneTable> spheres = root_.tables("particles");
     std::vector<SceneTable> drops = root_.tables("drops");
-    const bool film = root_.has("film");
+    const bool film = surface.film = root_.has("film");
     const bool on_film = film && root_.table("film").text("particles", {"in", "on"}, "in") == "on";
     // Of bodies that overlap, the later medium is seen: drops on a film do not reach into it; drops
     // in a film keep their shape.

@@ -45,6 +45,7 @@ struct Surface {
   trace::MaterialId ground = 0;     ///< of the substrate
   std::optional<Emission> emission;
   Stop stop;
+  bool film = false;  ///< there is one
 };
 
 /// Which part of what a file describes.

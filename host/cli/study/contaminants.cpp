@@ -28,7 +28,8 @@ trace::Result SurfaceBench::simulate(const std::string& text, double theta_i_deg
   const trace::PathTracer tracer(described.scene, geometry);
   trace::Request request;
   request.theta_i = optics::radians(theta_i_deg);
-  request.seed = options_.seed;
+  // Random numbers of its own: with the same, errors of simulations would go together.
+  request.seed = options_.seed + (std::uint64_t{1000 + done_} << 40);
   request.threads = options_.threads;
   request.samples = samples;
   request.progress = [&](const trace::Progress& p) {
@@ -50,9 +51,10 @@ trace::Result SurfaceBench::simulate(const std::string& text, double theta_i_deg
   return result;
 }
 
-trace::Estimate SurfaceBench::hidden(const surface::Surface& surface, double theta_i_deg) const {
+trace::Estimate SurfaceBench::hidden(const surface::Surface& surface, double theta_i_deg,
+                                     std::uint64_t number) const {
   trace::Request how;
-  how.seed = options_.seed;
+  how.seed = options_.seed + (number << 40);
   how.threads = options_.threads;
   how.samples = 1u << 19;
   trace::Estimate sum{0.0, 0.0};

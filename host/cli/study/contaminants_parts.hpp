@@ -24,7 +24,9 @@ class SurfaceBench {
                          const surface::Reading& reading, std::uint64_t samples = launches);
   surface::Surface read(const std::string& text, surface::Reading reading) const;
   /// Share of light from an angle that meets particles first.
-  trace::Estimate hidden(const surface::Surface& surface, double theta_i_deg) const;
+  /// `number`: of its random numbers; errors with the same go together.
+  trace::Estimate hidden(const surface::Surface& surface, double theta_i_deg,
+                         std::uint64_t number) const;
 
   std::uint64_t rays() const { return rays_; }
   double lost() const { return lost_; }  ///< largest share of all simulations

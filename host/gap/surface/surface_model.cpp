@@ -181,7 +181,6 @@ SurfaceModel::SurfaceModel(const formats::BrdfTable& measurement, const std::str
   // A film that all stand in, as thick as part of a particle.
   double radius = 0.01 * whole.scene.size_x;
   for (const trace::Sphere& s : whole.scene.spheres) radius = std::min(radius, s.radius);
-  const bool has_film = scene.find("[film]") != std::string::npos;
   const std::string film = fmt::format("\n[film]\nthickness_um = {}\n", film_thickness * radius);
 
   const auto count = static_cast<Eigen::Index>(directions.size());
@@ -210,7 +209,7 @@ SurfaceModel::SurfaceModel(const formats::BrdfTable& measurement, const std::str
       const surface::Surface described = bench.read(reading);
       const Result once = bench.simulate(described, theta, 1);
       const Result often = bench.simulate(described, theta, 0);
-      const Result wet = has_film ? often : bench.simulate(bench.read(reading, film), theta, 0);
+      const Result wet = whole.film ? often : bench.simulate(bench.read(reading, film), theta, 0);
       std::vector<trace::Estimate> shares;
       if (particles) shares = surface::hidden_shares(described, theta, bench.how());
       for (const Eigen::Index i : members) {
@@ -309,7 +308,7 @@ SurfaceModel::SurfaceModel(const formats::BrdfTable& measurement, const std::str
   std::vector<Series> kept;
   for (std::size_t k = 0; k < all.size(); ++k) {
     const bool needless =
-        (!particles && (k == shadowing || k == contaminant_albedo)) || (has_film && k == water);
+        (!particles && (k == shadowing || k == contaminant_albedo)) || (whole.film && k == water);
     const double size = (templates_[k].col(0).array() / sigma_.array()).matrix().norm();
     if (needless || !(size > 1e-6)) continue;
     effects_.push_back(all[k]);

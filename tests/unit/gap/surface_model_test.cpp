@@ -98,7 +98,7 @@ TEST(SurfaceGap, FurtherBouncesOnRoughGroundAreNamed) {
 
 TEST(SurfaceGap, AWaterFilmOnADryPaintIsNamedWithItsCoverage) {
   const auto wet = measured(wet_paint + "[film]\nthickness_um = 10\n");
-  const Diagnosis d = diagnosed(wet, wet_paint);
+  const Diagnosis d = diagnosed(wet, wet_paint + "# no [film] is known of\n");
   EXPECT_THAT(names(d), UnorderedElementsAre("water_film"));
   EXPECT_NEAR(size_of(d, "water_film"), 1.0, 0.1);
 }

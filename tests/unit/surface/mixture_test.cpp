@@ -79,10 +79,11 @@ TEST(Mixture, OfBrightSpheresOnBlackIsFoundWithItsLaw) {
 }
 
 TEST(MixingLaw, IsFoundFromItsOwnPoints) {
-  std::vector<trace::Estimate> f, effective;
+  std::vector<trace::Estimate> f;
+  std::vector<EffectiveFraction> effective;
   for (const double x : {0.05, 0.1, 0.3, 0.5, 0.8}) {
     f.push_back({x, 1e-4});
-    effective.push_back({1.0 - std::pow(1.0 - x, 1.7), 2e-3});
+    effective.push_back({{1.0 - std::pow(1.0 - x, 1.7), 2e-3}, 2e-3});
   }
   effective[1].mean += 2e-3;
   const MixingLaw law = fit_law(f, effective);
@@ -90,6 +91,33 @@ TEST(MixingLaw, IsFoundFromItsOwnPoints) {
   EXPECT_LT(law.gamma_u, 0.02);
   EXPECT_NEAR(law.chi2, 1.0, 0.3);
   EXPECT_NEAR(law(0.5), 1.0 - std::pow(0.5, law.gamma), 1e-15);
+}
+
+TEST(MixingLaw, HoldsWhatIsCommonToAllPoints) {
+  // The bare surface one error brighter moves all points together: γ must say so.
+  constexpr double by_bare = 0.01, own = 1e-4;
+  const auto points = [&](double shift) {
+    std::vector<EffectiveFraction> all;
+    for (const double x : {0.05, 0.1, 0.3, 0.5, 0.8}) {
+      const double e = 1.0 - std::pow(1.0 - x, 1.7);
+      all.push_back({{e + shift * (e - 1.0) * by_bare, 0.0}, own, (e - 1.0) * by_bare, 0.0});
+    }
+    return all;
+  };
+  std::vector<trace::Estimate> f;
+  for (const double x : {0.05, 0.1, 0.3, 0.5, 0.8}) f.push_back({x, 0.0});
+  const MixingLaw law = fit_law(f, points(0.0));
+  const double moved = std::abs(fit_law(f, points(0.1)).gamma - law.gamma) / 0.1;
+  EXPECT_NEAR(law.gamma_u, moved, 0.05 * moved);
+}
+
+TEST(Mixture, OfNothingHiddenIsTheBareSurface) {
+  const auto angles = analyse_mixture(scene(spheres), request({20.0}));
+  const MixtureAngle& angle = angles.at(0);
+  const MixturePoint p =
+      mixed(angle.wholes.at(0), angle.bare, {&angle.contaminants.at(0)}, {{0.0, 0.0}}, {0.5, 0.8});
+  EXPECT_EQ(p.fraction.mean, 0.0);
+  EXPECT_NEAR(p.bands[0].linear_dhr.mean, 0.02, 1e-3);
 }
 
 }  // namespace
