@@ -48,9 +48,9 @@ struct Proposal {
   std::vector<ScoredSet> starts;     ///< the best first
 };
 
-/// The `most` best sets of effects with up to `starts` starts each, from a beam's sets, and the best
-/// of each size that is not among them: large sets stand or fall with each of their members. The
-/// empty set is none.
+/// The `most` best sets of effects with up to `starts` starts each, from a beam's sets, and the
+/// best of each size that is not among them: large sets stand or fall with each of their members.
+/// The empty set is none.
 std::vector<Proposal> proposals(const LinearView& view, const std::vector<ScoredSet>& scored,
                                 std::size_t most, std::size_t starts);
 

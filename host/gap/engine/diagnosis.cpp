@@ -7,9 +7,8 @@
 #include <random>
 #include <set>
 
-#include <Eigen/Cholesky>
-
 #include "host/gap/engine/folds.hpp"
+#include "host/gap/engine/hollow.hpp"
 #include "host/gap/engine/shares.hpp"
 #include "host/parallel/for_each_index.hpp"
 
@@ -307,7 +306,8 @@ class Diagnoser {
       const bool bare = scatter_ && !((subset >> small.size()) & 1U);
       const Whitening& noise = bare ? *d_.base_whitening : whitening;
       const Refit& near = bare ? *unscattered : after;
-      const Refit fit = part.effects == chosen ? near : refit(model_, part, noise, for_a_share, &near);
+      const Refit fit =
+          part.effects == chosen ? near : refit(model_, part, noise, for_a_share, &near);
       return nothing - sum(held_out_by_fold(model_, fit, noise, d_.search.fold));
     };
     const std::vector<double> of_small = shapley_values(parts, closed_by, options_.search.threads);
@@ -320,7 +320,9 @@ class Diagnoser {
                      ? by_structure / static_cast<double>(n - small.size())
                      : of_small[next_small++];
     }
-    const std::set<std::size_t> hollow = undercut(after);
+    std::set<std::size_t> hollow;
+    if (varies(d_, options_))
+      hollow = not_needed_beside(model_, after, d_.variation.signature, options_.needed);
     for (std::size_t k = 0; k < n; ++k) {
       const Effect& effect = model_.effects()[chosen[k]];
       // What stays unexplained could be taken for an effect as large: such a one is not named.
@@ -446,55 +448,6 @@ class Diagnoser {
   }
 
   bool significant_rest() const { return d_.unexplained_p < options_.significance; }
-
-  /// Effects of the explanation that would not be needed beside the variation: they stood in for
-  /// something that is not constant.
-  std::set<std::size_t> undercut(const Refit& fit) const {
-    std::set<std::size_t> hollow;
-    const Eigen::MatrixXd& varying = d_.variation.signature;
-    if (!varies(d_, options_) || varying.size() == 0) return hollow;
-    // An effect that is absent has no shape: shapes stay, else a valley along which size and shape
-    // make up for each other would pass for doubt.
-    std::vector<Eigen::Index> sizes = fit.free;
-    auto shape = static_cast<Eigen::Index>(fit.explanation.base.size());
-    for (const std::size_t e : fit.explanation.effects)
-      for (const Parameter& p : model_.effects()[e].parameters) {
-        if (p.shape) std::erase(sizes, shape);
-        ++shape;
-      }
-    const auto fitted = static_cast<Eigen::Index>(sizes.size());
-    Eigen::MatrixXd columns(fit.residual.size(), fitted + varying.cols());
-    columns.leftCols(fitted) = fit.jacobian(Eigen::all, sizes);
-    columns.rightCols(varying.cols()) = varying;
-    Eigen::MatrixXd matrix = columns.transpose() * columns;
-    matrix.diagonal().head(fitted) += fit.prior_precision(sizes);
-    Eigen::VectorXd right = Eigen::VectorXd::Zero(matrix.rows());
-    right.tail(varying.cols()) = varying.transpose() * fit.residual;
-    const Eigen::VectorXd unit = matrix.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    Eigen::MatrixXd scaled = unit.asDiagonal() * matrix * unit.asDiagonal();
-    scaled.diagonal().array() += 1e-12;
-    const Eigen::LDLT<Eigen::MatrixXd> factor(scaled);
-    const Eigen::VectorXd step = unit.cwiseProduct(factor.solve(unit.cwiseProduct(right)));
-    const Eigen::MatrixXd covariance =
-        unit.asDiagonal() * factor.solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.rows())) *
-        unit.asDiagonal();
-    auto next = static_cast<Eigen::Index>(fit.explanation.base.size());
-    for (std::size_t k = 0; k < fit.explanation.effects.size(); ++k) {
-      const Effect& effect = model_.effects()[fit.explanation.effects[k]];
-      bool needed = effect.structural;
-      for (std::size_t i = 0; i < effect.parameters.size(); ++i, ++next) {
-        const Parameter& p = effect.parameters[i];
-        if (p.shape || p.choice) continue;
-        const auto place = std::find(sizes.begin(), sizes.end(), next);
-        if (place == sizes.end()) continue;
-        const auto column = place - sizes.begin();
-        const double away = fit.explanation.alpha[k][i] + step[column] - p.absent;
-        needed = needed || away * away > options_.needed * covariance(column, column);
-      }
-      if (!needed) hollow.insert(fit.explanation.effects[k]);
-    }
-    return hollow;
-  }
 
   /// Of a cause and what cannot be told from it.
   double joint_probability(const std::string& name) const {
