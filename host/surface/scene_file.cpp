@@ -3,12 +3,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <utility>
 
 #include "host/errors/error.hpp"
+#include "host/formats/atomic_file.hpp"
 #include "host/optics/angles.hpp"
 #include "host/surface/gaussian_heights.hpp"
 #include "host/surface/ground.hpp"
@@ -353,11 +352,7 @@ Surface surface_from_toml(std::string_view text, const std::string& file, const 
 }
 
 Surface read_surface(const std::filesystem::path& path, const Reading& reading) {
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw Error(Place{path.string()}, "cannot be read", "check its name");
-  const std::string text((std::istreambuf_iterator<char>(stream)),
-                         std::istreambuf_iterator<char>());
-  return surface_from_toml(text, path.string(), reading);
+  return surface_from_toml(formats::read_whole_file(path), path.string(), reading);
 }
 
 }  // namespace umov::surface
