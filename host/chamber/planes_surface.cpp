@@ -119,10 +119,6 @@ double PlanesSurface::value(const Vec3& from, const Vec3& to) const {
   return factor_at(theta_deg) * interpolated(from, to, theta_deg);
 }
 
-double PlanesSurface::energy_factor(double cosine) const {
-  return factor_at(angle_deg(cosine));
-}
-
 double PlanesSurface::factor_at(double theta) const {
   const std::size_t lower = std::min(static_cast<std::size_t>(theta), factors_.size() - 2);
   const double weight = std::min(1.0, theta - static_cast<double>(lower));

@@ -27,8 +27,6 @@ class PlanesSurface {
   PlanesSurface(const brdf::PlanesTable& table, std::size_t wavelength,
                 std::optional<double> total = {});
 
-  /// The factor at an incidence; 1 at rows where there is no total.
-  double energy_factor(double cosine) const;
   /// BRDF in 1/sr for light that comes from `from` and goes to `to`, both above the horizon.
   double value(const Vec3& from, const Vec3& to) const;
 
