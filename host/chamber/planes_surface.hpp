@@ -23,7 +23,8 @@ using Vec3 = optics::Vec3<double>;
 /// normal.
 class PlanesSurface {
  public:
-  /// `wavelength` is a number of the table's.
+  /// `wavelength` is a number of the table's. Throws umov::Error, without a place, where an
+  /// incidence would have to be scaled by less than 1/4 or more than 4.
   PlanesSurface(const brdf::PlanesTable& table, std::size_t wavelength,
                 std::optional<double> total = {});
 

@@ -45,6 +45,21 @@ TEST(Advice, TheMapNeedsMoreOfAPlasticThanTheDistribution) {
       << advice.sentences[1];
 }
 
+TEST(Advice, TablesTooCoarseForALobeAreLeftOut) {
+  const auto polished = std::make_shared<const Surface>(
+      "polished", Modelled{brdf::Sampler(brdf::Model::by_name("ggx"), {0.05, 100.0, 0.01}, 0.555)});
+  Job narrow = job(polished);
+  narrow.camera.reset();
+  AdviceRequest request;
+  request.launches = 6400;
+  const Advice advice = advise(narrow, request);
+  ASSERT_GE(advice.ablations.size(), 2U);
+  EXPECT_EQ(advice.ablations[1].readings, 7);
+  for (const Ablation& a : advice.ablations) {
+    EXPECT_EQ(a.knows.find("every 10°"), std::string::npos) << a.knows;
+  }
+}
+
 TEST(Advice, NothingCanBeLeftOutOfALambertianWall) {
   const auto matt = std::make_shared<const Surface>("matt", Lambertian{0.9});
   EXPECT_NE(failure_of([&] { advise(job(matt), {}); }).find("nothing to leave out"),
