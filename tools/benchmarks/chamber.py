@@ -58,6 +58,7 @@ def main():
             page.append(f"| {row['wall']} | {1e-6 * row['launches']:.3g} | {1e-6 * row['rays']:.3g} | {row['processor_s']:.2f} | "
                         f"{row['wall_s']:.2f} | {1e6 * row['processor_s'] / row['launches']:.2f} |")
             print(page[-1], flush=True)
+    page[2] = page[2].removesuffix(".") + f", {os.getloadavg()[0]:.1f} at the end with this program's own threads in it."
     if options.output:
         pathlib.Path(options.output).write_text("\n".join(page) + "\n", encoding="utf-8")
 
