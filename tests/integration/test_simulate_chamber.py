@@ -41,6 +41,7 @@ class SimulateChamber(UmovCase):
         self.assertAlmostEqual(said["lid"]["source_lm"], 2)
         self.assertGreater(said["lid"]["efficiency"], 0.5)
         self.assertGreater(said["lid"]["absorbed_fraction"], 0.01)
+        self.assertEqual(said["map"]["paths_given_up"], 0)
         self.assertIn("map", said["ugr"])
         with h5py.File(self.folder / "sim.h5") as file:
             luminance = file["map/luminance_cd_m2"][:]

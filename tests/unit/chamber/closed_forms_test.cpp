@@ -96,6 +96,22 @@ TEST(ClosedFurnace, IsEvenWhateverTheWallsDo) {
   }
 }
 
+TEST(PathsWithoutEnd, AreGivenUpAndCounted) {
+  Luminaire l;
+  const auto all = matt(1.0);
+  l.scene.tubes.push_back({0, 0, 10.0, 0.0, 5.0, true, l.add(all)});
+  l.scene.plates.push_back({0, 0, 5.0, 10.0, false, l.add(all)});
+  l.add_emitter(disc(0, 0, 0, 10.0, 1.0), all);
+  const Tracer tracer(l);
+  Work work;
+  const double seen = tracer.luminance(Vec3(0, 0, 2), Vec3(1, 0, 0), Estimator::mis, 1, 0, work);
+  EXPECT_EQ(work.endless, 1U);
+  EXPECT_GT(seen, 0.0);
+  Fate fate = tracer.empty_fate();
+  EXPECT_FALSE(tracer.launch(1.0, {}, 1, 0, fate).has_value());
+  EXPECT_EQ(fate.lost, 1.0);
+}
+
 TEST(ViewFactors, OfADiscToTheDiscAndTheWallThatCloseItsTube) {
   constexpr double radius = 20.0;
   constexpr double height = 30.0;
