@@ -263,7 +263,7 @@ TEST(TabulatedChamber, TakesWhatItsTableDoesNotReflect) {
   EXPECT_EQ(walls, 2);  // side and base
 }
 
-// The wall's table is not reciprocal: an estimator that took it the wrong way round would differ.
+// Values and densities of the wall, points on sources and the file's luminance fit together.
 TEST(TabulatedChamber, LooksAlikeToAllEstimatorsUnderAPhotometricFile) {
   MixingChamber chamber;
   chamber.wall = tabulated(0.8);
