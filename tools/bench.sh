@@ -10,6 +10,7 @@ spine() { /usr/bin/python3 tools/benchmarks/spine.py -o docs/benchmarks.md "$@";
 inversion() { /usr/bin/python3 tools/benchmarks/inversion.py -o docs/benchmarks.md "$@"; }
 sampling() { /usr/bin/python3 tools/benchmarks/sampling.py -o docs/benchmarks_sampling.md "$@"; }
 trace() { /usr/bin/python3 tools/benchmarks/trace.py -o docs/benchmarks_trace.md "$@"; }
+chamber() { /usr/bin/python3 tools/benchmarks/chamber.py -o docs/benchmarks_chamber.md "$@"; }
 
 # Fills in what docs/safety.md says of the safety matrix.
 safety() { /usr/bin/python3 tools/benchmarks/safety.py -o docs/safety.md "$@"; }
@@ -17,7 +18,7 @@ safety() { /usr/bin/python3 tools/benchmarks/safety.py -o docs/safety.md "$@"; }
 controller() { /usr/bin/python3 tools/benchmarks/controller.py -o docs/benchmarks_controller.md "$@"; }
 
 case "$name" in
-  all) spine; inversion; sampling; controller; trace ;;
+  all) spine; inversion; sampling; controller; trace; chamber ;;
   spine) spine "$@"; inversion ;;
   inversion) inversion "$@" ;;
   starts) inversion --rivals 1 "$@" ;;
@@ -25,5 +26,6 @@ case "$name" in
   controller) controller "$@" ;;
   safety) safety "$@" ;;
   trace) trace "$@" ;;
-  *) echo "dev: there is no benchmark '$name'; there are spine, inversion, starts, sampling, controller, safety, trace" >&2; exit 2 ;;
+  chamber) chamber "$@" ;;
+  *) echo "dev: there is no benchmark '$name'; there are spine, inversion, starts, sampling, controller, safety, trace, chamber" >&2; exit 2 ;;
 esac

@@ -66,9 +66,14 @@ std::vector<Variant> variants(const Surface& full) {
     int readings = 1;
     for (const auto& slice : table.incidences())
       readings += static_cast<int>(slice.in_plane.deg.size() + slice.across.deg.size());
+    std::shared_ptr<const Surface> surface;
+    try {
+      surface = std::make_shared<Surface>(full.name(), PlanesSurface(table, 0, total));
+    } catch (const Error&) {
+      continue;  // too coarse to hold its light: nobody could use it
+    }
     all.push_back({fmt::format("{} incidences, every {:g}° in two planes", incidences.size(), step),
-                   readings,
-                   std::make_shared<Surface>(full.name(), PlanesSurface(table, 0, total))});
+                   readings, std::move(surface)});
   }
   return all;
 }

@@ -43,7 +43,8 @@ struct AdviceRequest {
 };
 
 /// Throws umov::Error where every surface is Lambertian: nothing can be simplified. Maps are taken
-/// with at most some 2,000 pixels.
+/// with at most some 2,000 pixels. Tables too coarse to hold the light of their lobe (see
+/// PlanesSurface) are left out.
 Advice advise(const Job& job, const AdviceRequest& request);
 
 /// A surface as a goniometer would find it in two planes, at 555 nm.

@@ -30,8 +30,7 @@ Vec3 Camera::up() const {
   return optics::cross(towards(), right());
 }
 
-Map luminance_rows(const Tracer& tracer, const Camera& camera, const MapRequest& request,
-                   std::size_t from, std::size_t to) {
+Map luminance_map(const Tracer& tracer, const Camera& camera, const MapRequest& request) {
   if (camera.width == 0 || camera.height == 0 || !(camera.pixel_mm > 0.0)) {
     throw Error(fmt::format("a map of {} × {} pixels of {:g} mm", camera.width, camera.height,
                             camera.pixel_mm),
@@ -74,7 +73,7 @@ Map luminance_rows(const Tracer& tracer, const Camera& camera, const MapRequest&
   reach += std::sqrt(optics::dot(camera.centre, camera.centre)) +
            camera.pixel_mm * static_cast<double>(camera.width + camera.height);
   const Vec3 eye = camera.centre + camera.distance_mm * towards;
-  const std::size_t rows = to - from;
+  const std::size_t rows = camera.height;
   std::vector<Work> work(rows);
   constexpr std::size_t rows_at_once = 8;
   for (std::size_t start = 0; start < rows; start += rows_at_once) {
@@ -83,7 +82,7 @@ Map luminance_rows(const Tracer& tracer, const Camera& camera, const MapRequest&
     }
     const std::size_t count = std::min(rows_at_once, rows - start);
     for_each_index(count, request.threads, [&](std::size_t number) {
-      const std::size_t y = from + start + number;
+      const std::size_t y = start + number;
       for (std::size_t x = 0; x < map.width; ++x) {
         const std::uint64_t pixel = y * map.width + x;
         double sum = 0.0;
@@ -120,10 +119,6 @@ Map luminance_rows(const Tracer& tracer, const Camera& camera, const MapRequest&
     map.work.endless += one.endless;
   }
   return map;
-}
-
-Map luminance_map(const Tracer& tracer, const Camera& camera, const MapRequest& request) {
-  return luminance_rows(tracer, camera, request, 0, camera.height);
 }
 
 }  // namespace umov::chamber

@@ -48,8 +48,4 @@ struct MapRequest {
 /// Throws umov::Error for a window without pixels, a view from 90° or more, fewer than 2 rays.
 Map luminance_map(const Tracer& tracer, const Camera& camera, const MapRequest& request);
 
-/// The same for some rows only, from..to-1; the others stay 0. For work shared by processes.
-Map luminance_rows(const Tracer& tracer, const Camera& camera, const MapRequest& request,
-                   std::size_t from, std::size_t to);
-
 }  // namespace umov::chamber

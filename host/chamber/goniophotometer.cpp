@@ -77,8 +77,9 @@ Distribution intensity_distribution(const Tracer& tracer, const DistributionRequ
       Block& block = all[start + number];
       const std::uint64_t first = (start + number) * per_block;
       for (std::uint64_t i = 0; i < per_block; ++i) {
-        // Every block launches from all sources alike.
-        const double stratum = (static_cast<double>(i) + 0.5) / static_cast<double>(per_block);
+        // Every block launches from all sources alike, as far as its number of rays goes.
+        const double width = 1.0 / static_cast<double>(per_block);
+        const Tracer::Stratum stratum{static_cast<double>(i) * width, width};
         const auto exit = tracer.launch(flux, stratum, request.seed, first + i, block.fate);
         if (!exit) continue;
         const Vec3& k = exit->direction;

@@ -1,11 +1,14 @@
 #include "host/chamber/planes_surface.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
 #include "host/chamber/fast_angle.hpp"
+#include "host/errors/error.hpp"
 #include "host/optics/angles.hpp"
 #include "host/optics/frames.hpp"
 
@@ -16,6 +19,9 @@ using optics::pi;
 
 constexpr std::size_t slopes = 4096;
 constexpr std::size_t lobes = 33;
+// Beyond these a factor no longer mends a table: it would make up most of its light.
+constexpr double least_factor = 0.25;
+constexpr double most_factor = 4.0;
 
 /// Trowbridge and Reitz: density of facets' normals by solid angle, and the share of them that
 /// `v` sees (Smith).
@@ -119,10 +125,6 @@ double PlanesSurface::value(const Vec3& from, const Vec3& to) const {
   return factor_at(theta_deg) * interpolated(from, to, theta_deg);
 }
 
-double PlanesSurface::energy_factor(double cosine) const {
-  return factor_at(angle_deg(cosine));
-}
-
 double PlanesSurface::factor_at(double theta) const {
   const std::size_t lower = std::min(static_cast<std::size_t>(theta), factors_.size() - 2);
   const double weight = std::min(1.0, theta - static_cast<double>(lower));
@@ -160,7 +162,18 @@ void PlanesSurface::keep_energy(std::optional<double> total) {
     }
     if (total) wanted = *total;
     const double found = interpolated_reflectance(theta);
-    factors_.push_back(found > 0.0 ? std::clamp(wanted / found, 0.25, 4.0) : 1.0);
+    if (!(wanted > 0.0) && !(found > 0.0)) {
+      factors_.push_back(1.0);  // black here
+      continue;
+    }
+    if (!(wanted >= least_factor * found && wanted <= most_factor * found)) {
+      throw Error(fmt::format("gives {:.3g} of the light that comes in at {}°, where {:.3g} is due",
+                              found, degree, wanted),
+                  total ? "check that `total` is of this surface; else add rows near that "
+                          "incidence and angles where its lobe is"
+                        : "add rows near that incidence and angles where its lobe is");
+    }
+    factors_.push_back(wanted / found);
   }
 }
 

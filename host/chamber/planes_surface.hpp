@@ -23,12 +23,11 @@ using Vec3 = optics::Vec3<double>;
 /// normal.
 class PlanesSurface {
  public:
-  /// `wavelength` is a number of the table's.
+  /// `wavelength` is a number of the table's. Throws umov::Error, without a place, where an
+  /// incidence would have to be scaled by less than 1/4 or more than 4.
   PlanesSurface(const brdf::PlanesTable& table, std::size_t wavelength,
                 std::optional<double> total = {});
 
-  /// The factor at an incidence; 1 at rows where there is no total.
-  double energy_factor(double cosine) const;
   /// BRDF in 1/sr for light that comes from `from` and goes to `to`, both above the horizon.
   double value(const Vec3& from, const Vec3& to) const;
 

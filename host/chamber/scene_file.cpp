@@ -308,8 +308,18 @@ class Reader {
     SceneTable table = root_.table("glare");
     Glare glare;
     glare.background_cd_m2 = table.number("background_cd_m2", 1e-6, 1e6, glare.background_cd_m2);
-    glare.observer_distance_m =
+    // From far away the camera sees what an observer at any distance would.
+    const bool near = job_.camera && job_.camera->distance_mm > 0.0;
+    if (near) glare.observer_distance_m = 1e-3 * job_.camera->distance_mm;
+    const double distance =
         table.number("observer_distance_m", 1e-3, 1e6, glare.observer_distance_m);
+    if (near && std::abs(distance / glare.observer_distance_m - 1.0) > 1e-6) {
+      table.fail("observer_distance_m",
+                 fmt::format("= {:g}, but the camera stands at {:g} mm", distance,
+                             job_.camera->distance_mm),
+                 "leave it out, or move the camera by its distance_mm");
+    }
+    glare.observer_distance_m = distance;
     glare.position_index = table.number("position_index", 1.0, 16.0, glare.position_index);
     table.refuse_unknown();
     if (!job_.camera) root_.fail("glare", "needs a [camera]", "add one");

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include "host/brdf/model.hpp"
@@ -43,9 +44,14 @@ std::shared_ptr<const Surface> SceneMaterials::surface(SceneTable& table, std::s
 std::shared_ptr<const Surface> SceneMaterials::from_table(SceneTable table,
                                                           const std::string& name) const {
   const auto line = table.toml().source().begin.line;
-  const auto made = [&](Surface::Kind kind) {
+  // `kind` is what a surface is made of, or makes that.
+  const auto made = [&](auto&& kind) {
     try {
-      return std::make_shared<const Surface>(name, std::move(kind));
+      if constexpr (std::is_invocable_v<decltype(kind)>) {
+        return std::make_shared<const Surface>(name, kind());
+      } else {
+        return std::make_shared<const Surface>(name, std::forward<decltype(kind)>(kind));
+      }
     } catch (const Error& error) {
       throw Error(Place{file_.string(), line}, name + " " + error.problem(), error.remedy());
     }
@@ -64,7 +70,7 @@ std::shared_ptr<const Surface> SceneMaterials::from_table(SceneTable table,
       for (std::size_t i = 1; i < known.size(); ++i) {
         if (std::abs(known[i] - 1e-3 * nm) < std::abs(known[nearest] - 1e-3 * nm)) nearest = i;
       }
-      return made(PlanesSurface(*planes, nearest, total));
+      return made([&] { return PlanesSurface(*planes, nearest, total); });
     }
     if (total) {
       table.fail("total", "goes with a table of two planes", "leave it out: others are whole");

@@ -88,14 +88,14 @@ brdf::PlanesTable dense_mcpet() {
   return synthetic_mcpet(theta_i_deg, 0.5);
 }
 
-double mcpet_specular(double theta_i_deg, double half_angle_deg) {
+double mcpet_specular(double theta_i_deg) {
   const Plastic plastic;
   const double theta = radians(theta_i_deg);
   const double scale = plastic.scale(theta_i_deg);
   const double level = plastic.brdf(across(theta, radians(60.0)));
   constexpr int radii = 16;
   constexpr int turns = 32;
-  const double half = radians(half_angle_deg);
+  const double half = radians(2.5);
   const double solid_angle = 2.0 * optics::pi * (1.0 - std::cos(half));
   double sum = 0.0;
   for (int i = 0; i < radii; ++i) {

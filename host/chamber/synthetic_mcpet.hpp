@@ -28,9 +28,9 @@ brdf::PlanesTable synthetic_plastic(double alpha, std::span<const double> theta_
 /// As much as anybody would want to know of it: an incidence every 2.5°, angles every 0.5°.
 brdf::PlanesTable dense_mcpet();
 
-/// What an aperture of this half angle about the mirror direction gets at an incidence, less the
+/// What an aperture of 2.5° half angle about the mirror direction gets at an incidence, less the
 /// diffuse level beside it (60° across): a specular reflectance as [M] measured it.
-double mcpet_specular(double theta_i_deg, double half_angle_deg = 2.5);
+double mcpet_specular(double theta_i_deg);
 /// [M]'s second model of it.
 DiffuseSpecular mcpet_diffuse_specular();
 

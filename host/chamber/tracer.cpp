@@ -210,11 +210,12 @@ Fate Tracer::empty_fate() const {
   return fate;
 }
 
-std::optional<Tracer::Exit> Tracer::launch(double flux_lm, double stratum, std::uint64_t seed,
-                                           std::uint64_t path, Fate& fate) const {
-  const Emitter& emitter = luminaire_.emitters[emitter_at(stratum)];
+std::optional<Tracer::Exit> Tracer::launch(double flux_lm, const Stratum& stratum,
+                                           std::uint64_t seed, std::uint64_t path,
+                                           Fate& fate) const {
   const auto u = uniforms(seed, path, 0);
   const auto v = uniforms(seed, path, 1);
+  const Emitter& emitter = luminaire_.emitters[emitter_at(stratum.from + stratum.width * v[1])];
   Vec3 position = emitter.point(u[0], u[1]) + emitter.clearance_mm * emitter.normal;
   const Emitter::Launch start = emitter.launch(u[2], u[3], v[0]);
   Vec3 along = start.direction;
@@ -267,13 +268,6 @@ std::optional<Tracer::Exit> Tracer::launch(double flux_lm, double stratum, std::
   ++fate.work.endless;
   fate.lost += flux;
   return std::nullopt;
-}
-
-int Tracer::met(const Vec3& origin, const Vec3& direction, Work& work) const {
-  ++work.rays;
-  const auto hit = nearest(origin, direction, forever);
-  if (!hit || !(dot(direction, hit->normal) < 0.0)) return -1;
-  return static_cast<int>(hit->material);
 }
 
 }  // namespace umov::chamber

@@ -50,13 +50,13 @@ class Tracer {
     Vec3 direction;
     double flux_lm;
   };
-  /// Launches `flux_lm` from the sources, in proportion to their flux. `stratum` in [0, 1) chooses
-  /// source and, with random numbers, the place.
-  std::optional<Exit> launch(double flux_lm, double stratum, std::uint64_t seed, std::uint64_t path,
-                             Fate& fate) const;
-
-  /// Material of the face whose front a ray meets first; -1: none, it leaves or meets a back.
-  int met(const Vec3& origin, const Vec3& direction, Work& work) const;
+  /// Part of [0, 1), the sources one after the other by their share of the flux.
+  struct Stratum {
+    double from = 0.0, width = 1.0;
+  };
+  /// Launches `flux_lm` from the sources, in proportion to their flux, out of a stratum.
+  std::optional<Exit> launch(double flux_lm, const Stratum& stratum, std::uint64_t seed,
+                             std::uint64_t path, Fate& fate) const;
 
   const Luminaire& luminaire() const { return luminaire_; }
   const trace::Geometry& geometry() const { return geometry_; }

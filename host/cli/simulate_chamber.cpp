@@ -180,6 +180,7 @@ void run(const Options& options, const Common& common) {
     result.map = chamber::luminance_map(tracer, *job.camera, job.map);
     s["map"] = evenness_json(*result.map);
     s["map"]["rays"] = result.map->work.rays;
+    s["map"]["paths_given_up"] = result.map->work.endless;
     if (job.region) s["region"] = evenness_json(chamber::cut(*result.map, *job.region));
     if (job.glare) {
       const chamber::GlareRating rating = chamber::glare_rating(*result.map, *job.glare);

@@ -8,15 +8,12 @@
 // Bare Embree gets the very rays of the paths, shadow rays included, in their order, in the same
 // chamber made of triangles (it has no faces with an exact circle): cylinders of 24 or 256 sides,
 // once for each. Nothing else is done with what it finds.
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -27,17 +24,13 @@
 #include "host/chamber/synthetic_mcpet.hpp"
 #include "host/optics/angles.hpp"
 #include "host/trace/random_stream.hpp"
+#include "tests/bench/bare_embree.hpp"
 
 namespace {
 
 using namespace umov::chamber;
+using umov::bench::processor_seconds;
 using umov::optics::pi;
-
-double processor_seconds(clockid_t clock) {
-  timespec now{};
-  clock_gettime(clock, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 struct Wall {
   std::string name;
@@ -59,10 +52,10 @@ MixingChamber chamber_of(const Wall& wall) {
 }
 
 // The chamber of triangles.
-class Bare {
+class TriangleChamber {
  public:
-  Bare(const umov::trace::Scene& scene, int sides, double head_start)
-      : device_(rtcNewDevice("threads=1")), scene_(rtcNewScene(device_)) {
+  TriangleChamber(const umov::trace::Scene& scene, int sides, double head_start)
+      : bare_(head_start) {
     for (const auto& tube : scene.tubes) {
       for (int i = 0; i < sides; ++i) {
         const auto corner = [&](int k, double z) {
@@ -94,55 +87,15 @@ class Bare {
         }
       }
     }
-    RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* v = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                      3 * sizeof(float), vertices_.size());
-    auto* f = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                      3 * sizeof(std::uint32_t), faces_.size());
-    std::copy(vertices_.begin(), vertices_.end(), static_cast<std::array<float, 3>*>(v));
-    std::copy(faces_.begin(), faces_.end(), static_cast<std::array<std::uint32_t, 3>*>(f));
-    rtcCommitGeometry(g);
-    rtcAttachGeometry(scene_, g);
-    rtcReleaseGeometry(g);
-    rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
-    rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
-    rtcCommitScene(scene_);
-    near_ = static_cast<float>(2.0 * head_start);
+    bare_.add_triangles(vertices_, faces_);
+    bare_.build();
   }
-  ~Bare() {
-    rtcReleaseScene(scene_);
-    rtcReleaseDevice(device_);
-  }
-  Bare(const Bare&) = delete;
-  Bare& operator=(const Bare&) = delete;
 
   std::size_t triangles() const { return faces_.size(); }
 
   double shoot(const std::vector<umov::trace::Geometry::SingleRay>& rays,
                std::uint64_t& hits) const {
-    const double start = processor_seconds(CLOCK_THREAD_CPUTIME_ID);
-    for (const auto& ray : rays) {
-      RTCIntersectContext context;
-      rtcInitIntersectContext(&context);
-      RTCRayHit r;
-      r.ray.org_x = ray.origin[0];
-      r.ray.org_y = ray.origin[1];
-      r.ray.org_z = ray.origin[2];
-      r.ray.dir_x = ray.direction[0];
-      r.ray.dir_y = ray.direction[1];
-      r.ray.dir_z = ray.direction[2];
-      r.ray.tnear = near_;
-      r.ray.tfar = std::max(near_, ray.limit);
-      r.ray.time = 0.0F;
-      r.ray.mask = ~0U;
-      r.ray.id = 0;
-      r.ray.flags = 0;
-      r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-      r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-      rtcIntersect1(scene_, &context, &r);
-      hits += r.hit.geomID != RTC_INVALID_GEOMETRY_ID ? 1 : 0;
-    }
-    return processor_seconds(CLOCK_THREAD_CPUTIME_ID) - start;
+    return bare_.shoot(rays, hits);
   }
 
  private:
@@ -157,11 +110,9 @@ class Bare {
     faces_.push_back({first, first + 2, first + 3});
   }
 
-  RTCDevice device_;
-  RTCScene scene_;
+  umov::bench::BareEmbree bare_;
   std::vector<std::array<float, 3>> vertices_;
   std::vector<std::array<std::uint32_t, 3>> faces_;
-  float near_ = 0.0F;
 };
 
 // Paths of the camera through random pixels of the map; one thread.
@@ -170,7 +121,7 @@ double trace(const Tracer& tracer, const Camera& camera, std::uint64_t paths, Wo
   const Vec3 towards = camera.towards();
   const Vec3 right = camera.right();
   const Vec3 up = camera.up();
-  const double start = processor_seconds(CLOCK_THREAD_CPUTIME_ID);
+  const double start = processor_seconds();
   for (std::uint64_t i = 0; i < paths; ++i) {
     const auto u = umov::trace::uniforms(1, i, 0);
     const double x = 60.0 * (u[0] - 0.5);
@@ -178,7 +129,7 @@ double trace(const Tracer& tracer, const Camera& camera, std::uint64_t paths, Wo
     const Vec3 origin = camera.centre + x * right + y * up + 200.0 * towards;
     sum += tracer.luminance(origin, -towards, Estimator::mis, 1, i, work);
   }
-  return processor_seconds(CLOCK_THREAD_CPUTIME_ID) - start;
+  return processor_seconds() - start;
 }
 
 nlohmann::json rate(const Wall& wall, std::uint64_t paths) {
@@ -192,8 +143,8 @@ nlohmann::json rate(const Wall& wall, std::uint64_t paths) {
   tracer.geometry().record(&rays);
   trace(tracer, camera, paths, work, sum);
   tracer.geometry().record(nullptr);
-  const Bare coarse(luminaire.scene, 24, tracer.geometry().head_start());
-  const Bare fine(luminaire.scene, 256, tracer.geometry().head_start());
+  const TriangleChamber coarse(luminaire.scene, 24, tracer.geometry().head_start());
+  const TriangleChamber fine(luminaire.scene, 256, tracer.geometry().head_start());
   double best = 1e300, best_coarse = 1e300, best_fine = 1e300;
   std::uint64_t hits = 0;
   for (int run = 0; run < 5; ++run) {  // in turn, so that all meet the same machine

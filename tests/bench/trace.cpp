@@ -9,14 +9,11 @@
 // Bare Embree gets the very rays of the paths, in their order, in a scene of its own primitives
 // (single precision spheres, triangles without a filter), and starts them behind what this engine
 // begins before their start. Nothing else is done with what it finds.
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -24,17 +21,14 @@
 #include "host/errors/error.hpp"
 #include "host/trace/random_stream.hpp"
 #include "host/trace/simulation.hpp"
+#include "tests/bench/bare_embree.hpp"
 
 namespace {
 
 using namespace umov::trace;
+using umov::bench::BareEmbree;
+using umov::bench::processor_seconds;
 using umov::optics::radians;
-
-double processor_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 std::vector<double> bands(std::size_t count) {
   std::vector<double> wavelengths;
@@ -118,85 +112,18 @@ Traced trace(const PathTracer& tracer, std::uint64_t launches) {
   return {processor_seconds() - start, ledger.rays};
 }
 
-// A scene of Embree's own primitives.
-class Bare {
- public:
-  Bare(const Scene& scene, double head_start) : device_(rtcNewDevice("threads=1")) {
-    scene_ = rtcNewScene(device_);
-    rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
-    rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
-    for (const Triangles& mesh : scene.meshes) {
-      RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-      void* vertices = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                               sizeof(mesh.vertices[0]), mesh.vertices.size());
-      void* faces = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                            sizeof(mesh.faces[0]), mesh.faces.size());
-      std::copy(mesh.vertices.begin(), mesh.vertices.end(),
-                static_cast<std::array<float, 3>*>(vertices));
-      std::copy(mesh.faces.begin(), mesh.faces.end(),
-                static_cast<std::array<std::uint32_t, 3>*>(faces));
-      attach(g);
+void copy_faces(const Scene& scene, BareEmbree& bare) {
+  for (const Triangles& mesh : scene.meshes) bare.add_triangles(mesh.vertices, mesh.faces);
+  if (!scene.spheres.empty()) {
+    std::vector<std::array<float, 4>> spheres;
+    for (const Sphere& s : scene.spheres) {
+      spheres.push_back({static_cast<float>(s.centre.x), static_cast<float>(s.centre.y),
+                         static_cast<float>(s.centre.z), static_cast<float>(s.radius)});
     }
-    if (!scene.spheres.empty()) {
-      RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_SPHERE_POINT);
-      auto* points = static_cast<std::array<float, 4>*>(
-          rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
-                                  4 * sizeof(float), scene.spheres.size()));
-      for (std::size_t i = 0; i < scene.spheres.size(); ++i) {
-        const Sphere& s = scene.spheres[i];
-        points[i] = {static_cast<float>(s.centre.x), static_cast<float>(s.centre.y),
-                     static_cast<float>(s.centre.z), static_cast<float>(s.radius)};
-      }
-      attach(g);
-    }
-    rtcCommitScene(scene_);
-    near_ = static_cast<float>(2.0 * head_start);
+    bare.add_spheres(spheres);
   }
-  ~Bare() {
-    rtcReleaseScene(scene_);
-    rtcReleaseDevice(device_);
-  }
-  Bare(const Bare&) = delete;
-  Bare& operator=(const Bare&) = delete;
-
-  // Seconds for all rays; the number of hits goes to `hits`.
-  double shoot(const std::vector<Geometry::SingleRay>& rays, std::uint64_t& hits) const {
-    const double start = processor_seconds();
-    for (const Geometry::SingleRay& ray : rays) {
-      RTCIntersectContext context;
-      rtcInitIntersectContext(&context);
-      RTCRayHit r;
-      r.ray.org_x = ray.origin[0];
-      r.ray.org_y = ray.origin[1];
-      r.ray.org_z = ray.origin[2];
-      r.ray.dir_x = ray.direction[0];
-      r.ray.dir_y = ray.direction[1];
-      r.ray.dir_z = ray.direction[2];
-      r.ray.tnear = near_;
-      r.ray.tfar = std::max(near_, ray.limit);
-      r.ray.time = 0.0F;
-      r.ray.mask = ~0U;
-      r.ray.id = 0;
-      r.ray.flags = 0;
-      r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-      r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-      rtcIntersect1(scene_, &context, &r);
-      hits += r.hit.geomID != RTC_INVALID_GEOMETRY_ID ? 1 : 0;
-    }
-    return processor_seconds() - start;
-  }
-
- private:
-  void attach(RTCGeometry geometry) {
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene_, geometry);
-    rtcReleaseGeometry(geometry);
-  }
-
-  RTCDevice device_;
-  RTCScene scene_;
-  float near_;
-};
+  bare.build();
+}
 
 nlohmann::json rate(const std::string& name, const Scene& scene, std::uint64_t launches) {
   const double before = processor_seconds();
@@ -207,7 +134,8 @@ nlohmann::json rate(const std::string& name, const Scene& scene, std::uint64_t l
   geometry.record(&rays);
   trace(tracer, launches);
   geometry.record(nullptr);
-  const Bare bare(scene, geometry.head_start());
+  BareEmbree bare(geometry.head_start());
+  copy_faces(scene, bare);
   double best = 1e300;
   double best_bare = 1e300;
   std::uint64_t hits = 0;

@@ -39,8 +39,9 @@ class SimulateChamber(UmovCase):
         said = json.loads(self.must("simulate", "chamber", self.scene(SMALL), "-o", "sim.h5", "--exr", "map.exr", "--png", "map.png",
                                     "--ies", "c.ies", "--ldt", "c.ldt", "--json", "--quiet").stdout)
         self.assertAlmostEqual(said["lid"]["source_lm"], 2)
-        balance = said["lid"]["efficiency"] + said["lid"]["absorbed_fraction"] + said["lid"]["behind_fraction"]
-        self.assertAlmostEqual(balance, 1, places=4)
+        self.assertGreater(said["lid"]["efficiency"], 0.5)
+        self.assertGreater(said["lid"]["absorbed_fraction"], 0.01)
+        self.assertEqual(said["map"]["paths_given_up"], 0)
         self.assertIn("map", said["ugr"])
         with h5py.File(self.folder / "sim.h5") as file:
             luminance = file["map/luminance_cd_m2"][:]

@@ -5,7 +5,9 @@
 
 #include "host/chamber/camera.hpp"
 #include "host/chamber/goniophotometer.hpp"
+#include "host/chamber/mixing_chamber.hpp"
 #include "host/chamber/radiosity.hpp"
+#include "host/chamber/synthetic_mcpet.hpp"
 #include "host/trace/random_stream.hpp"
 #include "tests/unit/chamber/chambers.hpp"
 
@@ -54,7 +56,9 @@ TEST(IntegratingSphere, IsAsBrightAsTheMultiplierSays) {
     EXPECT_LT(m.error, 0.01 * expected);
   }
   const Distribution d = intensity_distribution(tracer, {.rays = 200'000});
-  EXPECT_NEAR(d.out_lm, port * irradiance * 4.0 * pi * radius * radius * 1e-6, 3.0 * d.out_se);
+  const double everywhere = irradiance * 4.0 * pi * radius * radius * 1e-6;
+  EXPECT_NEAR(d.out_lm, port * everywhere, 3.0 * d.out_se);
+  EXPECT_NEAR(d.fate.absorbed, (1.0 - port) * (1.0 - rho) * everywhere, 3.0 * d.out_se);
 }
 
 // Walls that all shine alike and reflect alike: Le/(1 - ρ) everywhere.
@@ -90,6 +94,22 @@ TEST(ClosedFurnace, IsEvenWhateverTheWallsDo) {
       EXPECT_NEAR(m.value, 2000.0, 3.0 * m.error + 1e-9) << static_cast<int>(e);
     }
   }
+}
+
+TEST(PathsWithoutEnd, AreGivenUpAndCounted) {
+  Luminaire l;
+  const auto all = matt(1.0);
+  l.scene.tubes.push_back({0, 0, 10.0, 0.0, 5.0, true, l.add(all)});
+  l.scene.plates.push_back({0, 0, 5.0, 10.0, false, l.add(all)});
+  l.add_emitter(disc(0, 0, 0, 10.0, 1.0), all);
+  const Tracer tracer(l);
+  Work work;
+  const double seen = tracer.luminance(Vec3(0, 0, 2), Vec3(1, 0, 0), Estimator::mis, 1, 0, work);
+  EXPECT_EQ(work.endless, 1U);
+  EXPECT_GT(seen, 0.0);
+  Fate fate = tracer.empty_fate();
+  EXPECT_FALSE(tracer.launch(1.0, {}, 1, 0, fate).has_value());
+  EXPECT_EQ(fate.lost, 1.0);
 }
 
 TEST(ViewFactors, OfADiscToTheDiscAndTheWallThatCloseItsTube) {
@@ -212,10 +232,79 @@ TEST(DiffuseChamber, AgreesWithRadiosityInEveryZone) {
   }
   EXPECT_NEAR(d.out_lm, r.out_lm, 3.0 * d.out_se + 0.002 * r.out_lm);
   EXPECT_NEAR(d.first_hit_fraction * d.source_lm, r.first_hit_lm, 0.003 * r.first_hit_lm);
-  // Energy: everything that was launched is somewhere.
-  const double sum = d.fate.out + d.fate.absorbed + d.fate.behind + d.fate.lost;
-  EXPECT_NEAR(sum / d.fate.launched, 1.0, 1e-4);
+  // Energy: every material takes its share of what it gets; black edges take all.
+  for (std::size_t m = 0; m < d.fate.incident.size(); ++m) {
+    if (!(d.fate.incident[m] > 0.0)) continue;
+    const bool black = chamber.luminaire.surfaces[m]->black();
+    const double share = black ? 1.0 : 1.0 - 0.984;
+    EXPECT_NEAR(d.fate.taken[m] / d.fate.incident[m], share, 0.01 * share) << m;
+  }
   EXPECT_EQ(d.fate.behind, 0.0);
+  EXPECT_EQ(d.fate.lost, 0.0);
+}
+
+std::shared_ptr<const Surface> tabulated(double total) {
+  return std::make_shared<const Surface>(
+      "table", PlanesSurface(synthetic_mcpet(mcpet_theta_i_deg, 2.5), 0, total));
+}
+
+TEST(TabulatedChamber, TakesWhatItsTableDoesNotReflect) {
+  MixingChamber chamber;
+  chamber.wall = tabulated(0.7);
+  const Luminaire l = chamber.luminaire();
+  const Tracer tracer(l);
+  const Distribution d = intensity_distribution(tracer, {.rays = 400'000});
+  int walls = 0;
+  for (std::size_t m = 0; m < d.fate.incident.size(); ++m) {
+    if (l.surfaces[m] != chamber.wall || !(d.fate.incident[m] > 0.0)) continue;
+    EXPECT_NEAR(d.fate.taken[m] / d.fate.incident[m], 0.3, 0.003) << m;
+    ++walls;
+  }
+  EXPECT_EQ(walls, 2);  // side and base
+}
+
+// Values and densities of the wall, points on sources and the file's luminance fit together.
+TEST(TabulatedChamber, LooksAlikeToAllEstimatorsUnderAPhotometricFile) {
+  MixingChamber chamber;
+  chamber.wall = tabulated(0.8);
+  chamber.depth_mm = 0.0;
+  Luminaire l = chamber.luminaire();
+  const auto table = std::make_shared<const IntensityTable>(
+      formats::parse_photometry(
+          "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 4 1 1 2 0 0 0\n1 1 10\n0 30 60 90\n0\n"
+          "100 80 60 20\n",
+          "spot.ies"),
+      "spot.ies");
+  for (Emitter& emitter : l.emitters) emitter.table = table;
+  const Tracer tracer(l);
+  for (const double height : {4.0, 12.0}) {
+    const Vec3 along = Vec3(0.9, 0.1, -0.8) / std::sqrt(0.81 + 0.01 + 0.64);
+    const Vec3 origin(0.0, 0.0, height + 19.0);
+    const Mean mis = seen(tracer, origin, along, 40'000);
+    EXPECT_LT(mis.error, 0.015 * mis.value);
+    for (const Estimator e : {Estimator::unidirectional, Estimator::next_event}) {
+      const Mean other = seen(tracer, origin, along, 60'000, e);
+      EXPECT_LT(other.error, 0.04 * mis.value);
+      EXPECT_NEAR(other.value, mis.value, 4.0 * std::hypot(other.error, mis.error))
+          << static_cast<int>(e) << " at " << height;
+    }
+  }
+}
+
+TEST(Distribution, FewRaysComeFromAllSources) {
+  Luminaire l;
+  l.add_emitter(disc(0, 0, 1, 5.0, 1.0), matt(0.0));
+  l.add_emitter(disc(0, 0, -1, 5.0, 1.0, false), matt(0.0));
+  const Tracer tracer(l);
+  const Distribution d = intensity_distribution(tracer, {.rays = 64, .planes = 1, .angles = 3});
+  ASSERT_EQ(d.rays_launched, 64U);
+  // Cells reach 45° from the poles, where half of a disc's light goes; the one between has both.
+  const double cap = 2.0 * pi * (1.0 - std::cos(optics::radians(45.0)));
+  const double up = d.intensity(0, 0) * cap;
+  const double down = d.intensity(0, 2) * cap;
+  EXPECT_NEAR(up, 0.5, 0.44);  // 16 ± 3.5 of 64 rays of 1/32 lm
+  EXPECT_NEAR(down, 0.5, 0.44);
+  EXPECT_NEAR(d.out_lm, 2.0, 1e-9);
 }
 
 TEST(Map, DoesNotDependOnThreads) {

@@ -50,15 +50,16 @@ TEST(SceneFile, APapersChamberIsReadAsItIsWritten) {
   EXPECT_FALSE(job.distribution.has_value());
   // From 55° no source is in view: nothing but the walls shines.
   const Tracer tracer(l);
-  Work work;
+  int met = 0;
   for (int i = -10; i <= 10; ++i) {
     const Vec3 origin =
         job.camera->centre + 0.2 * i * job.camera->up() + 100.0 * job.camera->towards();
-    const int met = tracer.met(origin, -job.camera->towards(), work);
-    if (met >= 0) {
-      EXPECT_LT(l.emitter_of[static_cast<std::size_t>(met)], 0);
-    }
+    const auto hit = tracer.geometry().nearest(origin, -job.camera->towards(), 1e3);
+    if (!hit) continue;
+    EXPECT_LT(l.emitter_of[hit->material], 0);
+    ++met;
   }
+  EXPECT_GT(met, 10);
 }
 
 TEST(SceneFile, BadNumbersAreRefusedWithLineAndRemedy) {
@@ -80,6 +81,20 @@ TEST(SceneFile, BadNumbersAreRefusedWithLineAndRemedy) {
             std::string::npos);
   EXPECT_NE(refusal(chamber).find("nothing is to be measured"), std::string::npos);
   EXPECT_NE(refusal(gonio).find("there is nothing in it"), std::string::npos);
+}
+
+TEST(SceneFile, GlareIsOfTheObserverWhoTakesTheMap) {
+  const auto distance = [](const std::string& text) {
+    return job_from_toml(text, "scene.toml").glare->observer_distance_m;
+  };
+  const std::string near = chamber + camera + "distance_mm = 500\n[glare]\n";
+  EXPECT_EQ(distance(chamber + camera + "[glare]\n"), 2.0);
+  EXPECT_EQ(distance(chamber + camera + "[glare]\nobserver_distance_m = 3\n"), 3.0);
+  EXPECT_EQ(distance(near), 0.5);
+  EXPECT_EQ(distance(near + "observer_distance_m = 0.5\n"), 0.5);
+  EXPECT_EQ(refusal(near + "observer_distance_m = 2\n"),
+            "scene.toml:20: glare.observer_distance_m = 2, but the camera stands at 500 mm (leave "
+            "it out, or move the camera by its distance_mm)");
 }
 
 class SceneFolder : public ::testing::Test {
@@ -130,6 +145,14 @@ TEST_F(SceneFolder, TablesWithHolesOrTooMuchLightAreRefused) {
   EXPECT_NE(refusal_here(scene("bright.csv")).find("scene.toml:4: wall reflects 1.41"),
             std::string::npos)
       << refusal_here(scene("bright.csv"));
+  // A factor of a tenth would no longer be this table.
+  std::string scaled = scene("good.csv");
+  scaled.replace(scaled.find("\" }"), 3, "\", total = 0.1 }");
+  EXPECT_NE(
+      refusal_here(scaled).find("scene.toml:4: wall gives 0.974 of the light that comes in at "
+                                "0°, where 0.1 is due (check that `total`"),
+      std::string::npos)
+      << refusal_here(scaled);
   EXPECT_NE(refusal_here(scene("holes.csv")).find("holes.csv:"), std::string::npos);
 }
 
