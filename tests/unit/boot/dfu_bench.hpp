@@ -8,6 +8,7 @@
 #include "hil/usbip/stack_port.hpp"
 #include "host/instrument/dfu_client.hpp"
 #include "tests/unit/boot/boot_bench.hpp"
+#include "tests/unit/control_urb.hpp"
 
 namespace umov::test {
 
@@ -28,23 +29,11 @@ class DfuBench final : public instrument::DfuPipe {
   };
   Outcome control(std::uint8_t type, std::uint8_t request, std::uint16_t value,
                   std::uint16_t length, Bytes data, std::uint16_t index = 0) {
-    usbip::Urb urb;
-    urb.to_host = (type & 0x80) != 0;
-    urb.setup = {type,
-                 request,
-                 static_cast<std::uint8_t>(value),
-                 static_cast<std::uint8_t>(value >> 8),
-                 static_cast<std::uint8_t>(index),
-                 static_cast<std::uint8_t>(index >> 8),
-                 static_cast<std::uint8_t>(length),
-                 static_cast<std::uint8_t>(length >> 8)};
-    urb.length = length;
-    urb.bytes = std::move(data);
     Outcome outcome;
     usbip::Bus bus(port, [&](const usbip::Urb& done, std::int32_t status, std::size_t) {
       outcome = {status, done.to_host ? done.bytes : Bytes{}};
     });
-    bus.submit(std::move(urb));
+    bus.submit(control_urb({type, request, value, index, length}, std::move(data)));
     bus.run();
     return outcome;
   }
