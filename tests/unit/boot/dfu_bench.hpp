@@ -1,6 +1,7 @@
 // A boot loader on a desk: the device's half on a bus of software, the host's half above it.
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "firmware/boot/boot_device.hpp"
@@ -51,7 +52,10 @@ class DfuBench final : public instrument::DfuPipe {
   }
   void wait(std::chrono::milliseconds duration) override {
     waited += duration;
-    for (int i = 0; i < duration.count(); i += 5) device.work();
+    for (int i = 0; i < duration.count(); i += 5) {
+      if (between_pieces && device.working()) between_pieces();
+      device.work();
+    }
   }
   std::string text(std::uint8_t index) override {
     const auto got = control(0x80, 6, static_cast<std::uint16_t>(0x0300 | index), 255, {}, 0x409);
@@ -65,6 +69,7 @@ class DfuBench final : public instrument::DfuPipe {
   usbip::StackPort port;
   boot::BootDevice device;
   std::chrono::milliseconds waited{0};
+  std::function<void()> between_pieces;  ///< before each piece of work
 };
 
 }  // namespace umov::test
