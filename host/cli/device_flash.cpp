@@ -149,7 +149,7 @@ void flash_by_rom(const Options& options, const FirmwareImage& image, const Comm
   if (!options.boot_loader.empty()) {
     boot_loader = formats::read_whole_file(options.boot_loader, instrument::rom::boot_loader_room);
   }
-  instrument::BootLines lines(read_lines(options.rom));
+  instrument::BootLines lines(instrument::open_boot_pins(read_lines(options.rom)));
   lines.reset(true);
   {
     const auto loader = instrument::open_rom_loader(appears_within);
@@ -157,12 +157,9 @@ void flash_by_rom(const Options& options, const FirmwareImage& image, const Comm
     const auto tell = [&](instrument::UpdatePhase, std::size_t done, std::size_t total) {
       progress.update(static_cast<double>(done), static_cast<double>(total));
     };
-    if (!boot_loader.empty()) {
-      instrument::rom_write(
-          *loader, instrument::rom::boot_loader_address,
-          {reinterpret_cast<const std::uint8_t*>(boot_loader.data()), boot_loader.size()}, tell);
-    }
-    instrument::rom_write(*loader, instrument::rom::image_address, image.bytes, tell);
+    instrument::rom_flash(
+        *loader, {reinterpret_cast<const std::uint8_t*>(boot_loader.data()), boot_loader.size()},
+        image.bytes, tell);
   }
   lines.reset(false);
 }
