@@ -141,6 +141,31 @@ TEST_F(Update, RequestsOutOfTurnAreStalledAndTheNextUpdateWorks) {
   EXPECT_TRUE(flash_.holds(boot_place::running, new_));
 }
 
+TEST_F(Update, ThatFailsLeavesTheBootLoaderSoThatTheProgramRunsAgain) {
+  {
+    DfuBench bench(flash_, trust_);
+    EXPECT_THROW(instrument::dfu_work_and_leave(
+                     bench, [&] { instrument::dfu_download(bench, Bytes(5'000, 0x55)); }),
+                 UpdateRefused);
+    EXPECT_TRUE(bench.device.leaving()) << "refused";
+  }
+  {
+    DfuBench bench(flash_, trust_);
+    EXPECT_THROW(instrument::dfu_work_and_leave(bench,
+                                                [&] {
+                                                  bench.write(dfu::download, 0,
+                                                              std::span(new_).first(1024));
+                                                  throw std::runtime_error("disk full");
+                                                }),
+                 std::runtime_error);
+    EXPECT_TRUE(bench.device.leaving()) << "in the middle of a download";
+  }
+  DfuBench bench(flash_, trust_);
+  instrument::dfu_work_and_leave(bench, [&] { instrument::dfu_download(bench, new_); });
+  EXPECT_TRUE(bench.device.leaving());
+  EXPECT_TRUE(flash_.holds(boot_place::running, new_));
+}
+
 TEST_F(Update, NoRequestStopsWhatIsBeingWrittenOrInstalled) {
   const auto told_to = [](std::uint8_t request, Bytes bytes = {}) {
     return [=](DfuBench& bench) { return bench.write(request, 0, bytes); };
