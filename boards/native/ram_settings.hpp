@@ -18,10 +18,14 @@ class RamSettings final : public firmware::SettingsStore {
     return Loaded::good;
   }
   bool save(std::uint16_t layout, std::span<const std::uint8_t> settings) override {
+    if (refuses) return false;
     layout_ = layout;
     saved_.assign(settings.begin(), settings.end());
     return true;
   }
+
+  /// Stores nothing more, as flash without room.
+  bool refuses = false;
 
  private:
   std::uint16_t layout_ = 0;

@@ -2,16 +2,13 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "boards/stm32f407/prepare_memory.hpp"
 #include "boards/stm32f407/registers/core.hpp"
 #include "boards/stm32f407/reset_cause.hpp"
 
 extern "C" {
 
-extern std::uint32_t image_data_load[], image_data_begin[], image_data_end[];
-extern std::uint32_t image_bss_begin[], image_bss_end[];
-extern std::uint32_t image_stack_begin[], image_stack_top[];
-using Constructor = void (*)();
-extern Constructor __init_array_start[], __init_array_end[];
+extern std::uint32_t image_stack_begin[];
 
 int main();
 
@@ -108,10 +105,7 @@ extern "C" {
 
 void reset_handler() {
   umov::boards::stm32f407::scb().VTOR = reinterpret_cast<std::uintptr_t>(&vectors);
-  const std::uint32_t* from = image_data_load;
-  for (std::uint32_t* to = image_data_begin; to < image_data_end;) *to++ = *from++;
-  for (std::uint32_t* to = image_bss_begin; to < image_bss_end;) *to++ = 0;
-  for (Constructor* c = __init_array_start; c < __init_array_end; ++c) (*c)();
+  umov::boards::stm32f407::prepare_memory();
   main();
   fault_handler();
 }

@@ -39,14 +39,13 @@ class BootDevice final : public usb::PortEvents, private usb::ControlHandler {
   void on_complete(const usb::Request& request) override;
   usb::ControlAnswer on_standard(const usb::Request& request);
   usb::ControlAnswer get_descriptor(const usb::Request& request) const;
-  usb::ControlAnswer get_string(std::uint8_t index) const;
 
   usb::Port* port_;
   usb::ControlPipe control_;
   DfuTarget target_;
-  std::array<std::uint8_t, 2 + 2 * 24> serial_string_{};
+  usb::SerialString serial_;
   std::array<std::uint8_t, 2> small_{};
-  bool development_key_;
+  const usb::DescriptorTable* descriptors_;
   std::uint8_t configuration_ = 0;
   std::uint8_t setting_ = 0;
   bool reset_ = false;

@@ -1,9 +1,13 @@
 // What the boot loader says of itself on USB: one interface in DFU mode, with two settings.
 #pragma once
 
+#include <array>
+#include <span>
+
 #include "firmware/boot/dfu_target.hpp"
 #include "firmware/core/usb/descriptor_builder.hpp"
 #include "firmware/core/usb/ms_os_20.hpp"
+#include "firmware/core/usb/standard_requests.hpp"
 #include "protocol/usb.hpp"
 
 namespace umov::firmware::boot {
@@ -11,7 +15,7 @@ namespace umov::firmware::boot {
 namespace string_index {
 inline constexpr std::uint8_t manufacturer = 1;
 inline constexpr std::uint8_t product = 2;
-inline constexpr std::uint8_t serial = 3;
+inline constexpr std::uint8_t serial = usb::serial_index;
 inline constexpr std::uint8_t newer = 4;
 inline constexpr std::uint8_t older_too = 5;
 inline constexpr std::uint8_t no_image = DfuTarget::first_reason_string;
@@ -96,5 +100,22 @@ inline constexpr auto bos_descriptor = [] {
                                  usb::low_byte(size), usb::high_byte(size), 1},
                    capability);
 }();
+
+/// By index; the serial number is the device's own.
+constexpr std::array<std::span<const std::uint8_t>, 12> strings_with(
+    std::span<const std::uint8_t> product) {
+  return {language_ids,       manufacturer_text, product,          {},         newer_text,
+          older_too_text,     no_image_text,     wrong_board_text, older_text, damaged_text,
+          bad_signature_text, flash_failed_text};
+}
+inline constexpr auto strings = strings_with(product_text);
+inline constexpr auto development_strings = strings_with(development_text);
+static_assert(strings.size() == string_index::flash_failed + 1u &&
+              strings[string_index::serial].empty());
+
+inline constexpr usb::DescriptorTable descriptor_table = {device_descriptor, configuration,
+                                                          bos_descriptor, strings};
+inline constexpr usb::DescriptorTable development_table = {device_descriptor, configuration,
+                                                           bos_descriptor, development_strings};
 
 }  // namespace umov::firmware::boot

@@ -18,6 +18,8 @@ constexpr std::uint32_t erase_ms = 1000, block_ms = 5, verify_ms = 100;
 }  // namespace
 
 ControlAnswer DfuTarget::refuse() {
+  // What is being written or installed is not to be stopped half-way, whatever a host asks for.
+  if (working_) return ControlAnswer::refuse();
   fail(Status::stalled_packet, Reason::none);
   return ControlAnswer::refuse();
 }
@@ -59,7 +61,6 @@ ControlAnswer DfuTarget::on_request(const usb::Request& request, bool older_too)
       forget();
       return ControlAnswer::accept();
     case dfu::abort:
-      // What is being written or installed is not to be stopped half-way.
       if (!asks_nothing || working_ || state_ == State::error) break;
       forget();
       return ControlAnswer::accept();

@@ -27,7 +27,8 @@ enum class Reason : std::uint8_t {
 };
 
 /// Requests come by control transfers; work() does what takes time, between them. Nothing that a
-/// host sends changes what runs before the whole image has been received and found good.
+/// host sends changes what runs before the whole image has been received and found good. A request
+/// out of turn ends an update, except while the device works: then it is refused and that is all.
 /// An extension: DFU_DETACH in idle state ends DFU mode, like a reset on the bus.
 class DfuTarget {
  public:

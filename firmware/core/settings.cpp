@@ -63,11 +63,12 @@ void Controller::handle(const FrameView& frame, const protocol::GetLockin&) {
 void Controller::handle(const FrameView& frame, const protocol::SaveSettings& message) {
   if (sequencer_.active() || motion_.busy()) return refuse(frame, Refusal::wrong_state);
   constexpr std::uint8_t back_to_built_in = 1;
-  if (message.action == back_to_built_in) take_over(built_in_);
-  const SettingsBytes bytes = settings_to_bytes(settings_in_force());
-  if (settings_ == nullptr || !settings_->save(settings_layout, bytes)) {
+  const bool back = message.action == back_to_built_in;
+  const SettingsBytes bytes = settings_to_bytes(back ? built_in_ : settings_in_force());
+  if (settings_ == nullptr || board_->supply_low() || !settings_->save(settings_layout, bytes)) {
     return refuse(frame, Refusal::not_stored);
   }
+  if (back) take_over(built_in_);
   accept(frame);
 }
 

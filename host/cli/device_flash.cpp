@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
@@ -80,6 +80,37 @@ std::string enter_boot_loader(const std::string& serial) {
   return found;
 }
 
+/// The file that takes the running image: whether it can be written shows before the program is
+/// left.
+class Backup {
+ public:
+  explicit Backup(const std::string& path)
+      : path_(path), file_(path), stream_(file_.temporary(), std::ios::binary) {
+    if (!stream_) fail();
+  }
+  void keep(instrument::DfuPipe& boot_loader) {
+    const auto running = instrument::dfu_upload(boot_loader);
+    if (running.empty()) {
+      throw Error({boot_loader.name()}, "the controller has no image that could be kept",
+                  "leave --backup out");
+    }
+    stream_.write(reinterpret_cast<const char*>(running.data()),
+                  static_cast<std::streamsize>(running.size()));
+    stream_.close();
+    if (!stream_) fail();
+    file_.commit();
+  }
+
+ private:
+  [[noreturn]] void fail() const {
+    throw Error(Place{.file = path_}, "cannot be written", "check permissions and free space");
+  }
+
+  std::string path_;
+  formats::ReplacedFile file_;
+  std::ofstream stream_;
+};
+
 void send(instrument::DfuPipe& boot_loader, const FirmwareImage& image, const Common& common) {
   Progress progress("sending", common.quiet);
   bool installing = false;
@@ -94,18 +125,6 @@ void send(instrument::DfuPipe& boot_loader, const FirmwareImage& image, const Co
                                if (!common.quiet) fmt::print(stderr, "checking and installing\n");
                              }
                            });
-}
-
-/// Serial number of the one controller that is plugged in, waited for.
-std::string only_controller() {
-  const auto deadline = std::chrono::steady_clock::now() + reappears_within;
-  for (;;) {
-    const auto found = instrument::list_usb_devices();
-    if (!found.empty() || std::chrono::steady_clock::now() >= deadline) {
-      return instrument::choose_device(found, "usb", {}).serial;
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  }
 }
 
 /// The program that answers now must be the one that was sent.
@@ -142,29 +161,32 @@ instrument::BootLineNames read_lines(const std::string& path) {
   return {*chip, static_cast<unsigned>(*boot0), static_cast<unsigned>(*nrst)};
 }
 
-/// By the loader in the chip's ROM, which needs nothing in the flash and checks nothing.
-void flash_by_rom(const Options& options, const FirmwareImage& image, const Common& common) {
+/// By the loader in the chip's ROM, which needs nothing in the flash and checks nothing. Returns
+/// the controllers that were on USB meanwhile, which are other ones.
+std::vector<instrument::UsbDeviceInfo> flash_by_rom(const Options& options,
+                                                    const FirmwareImage& image,
+                                                    const Common& common) {
   constexpr std::chrono::seconds appears_within{5};
   std::string boot_loader;
   if (!options.boot_loader.empty()) {
     boot_loader = formats::read_whole_file(options.boot_loader, instrument::rom::boot_loader_room);
   }
-  instrument::BootLines lines(read_lines(options.rom));
+  instrument::BootLines lines(instrument::open_boot_pins(read_lines(options.rom)));
   lines.reset(true);
+  std::vector<instrument::UsbDeviceInfo> others;
   {
     const auto loader = instrument::open_rom_loader(appears_within);
+    others = instrument::list_usb_devices();
     Progress progress("writing", common.quiet);
     const auto tell = [&](instrument::UpdatePhase, std::size_t done, std::size_t total) {
       progress.update(static_cast<double>(done), static_cast<double>(total));
     };
-    if (!boot_loader.empty()) {
-      instrument::rom_write(
-          *loader, instrument::rom::boot_loader_address,
-          {reinterpret_cast<const std::uint8_t*>(boot_loader.data()), boot_loader.size()}, tell);
-    }
-    instrument::rom_write(*loader, instrument::rom::image_address, image.bytes, tell);
+    instrument::rom_flash(
+        *loader, {reinterpret_cast<const std::uint8_t*>(boot_loader.data()), boot_loader.size()},
+        image.bytes, tell);
   }
   lines.reset(false);
+  return others;
 }
 
 void flash(const Options& options, const Common& common) {
@@ -173,21 +195,20 @@ void flash(const Options& options, const Common& common) {
   if (!common.quiet) fmt::print(stderr, "{}: {}\n", options.image, describe(image));
   std::string serial;
   if (!options.rom.empty()) {
-    flash_by_rom(options, image, common);
-    serial = wanted.empty() ? only_controller() : wanted;
+    const auto others = flash_by_rom(options, image, common);
+    serial = !wanted.empty() ? wanted
+                             : instrument::wait_for_new_device(instrument::list_usb_devices, others,
+                                                               reappears_within)
+                                   .serial;
   } else {
+    std::optional<Backup> backup;
+    if (!options.backup.empty()) backup.emplace(options.backup);
     serial = enter_boot_loader(wanted);
     const auto boot_loader = instrument::open_boot_loader(serial, options.older_too);
-    if (!options.backup.empty()) {
-      const auto running = instrument::dfu_upload(*boot_loader);
-      if (running.empty()) {
-        throw Error({"usb:" + serial}, "the controller has no image that could be kept",
-                    "leave --backup out");
-      }
-      write_file(options.backup, running);
-    }
-    send(*boot_loader, image, common);
-    instrument::dfu_leave(*boot_loader);
+    instrument::dfu_work_and_leave(*boot_loader, [&] {
+      if (backup) backup->keep(*boot_loader);
+      send(*boot_loader, image, common);
+    });
   }
   check_running(serial, image);
   if (common.json) {

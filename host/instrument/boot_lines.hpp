@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 
 namespace umov::instrument {
 
@@ -14,21 +15,36 @@ struct BootLineNames {
   unsigned nrst = 0;
 };
 
-/// Holds both lines as long as it lives; lets go of NRST and leaves BOOT0 low at its end.
+/// The two lines as a chip sees them.
+class BootPins {
+ public:
+  virtual ~BootPins() = default;
+  /// Throws umov::Error when a line can't be set.
+  virtual void set_boot0(bool high) = 0;
+  /// `high` lets go of the line, which the board pulls up.
+  virtual void set_nrst(bool high) = 0;
+};
+
+/// Takes those lines for this program: BOOT0 low, NRST let go of. Throws umov::Error when chip or
+/// lines are not there, or in use.
+std::unique_ptr<BootPins> open_boot_pins(const BootLineNames& names);
+
+/// Holds both lines as long as it lives; lets go of NRST and leaves BOOT0 low at its end. A chip
+/// that is in its ROM loader then is reset into its flash, as well as the lines can do that.
 class BootLines {
  public:
-  /// Throws umov::Error when chip or lines are not there, or in use.
-  explicit BootLines(const BootLineNames& names);
+  explicit BootLines(std::unique_ptr<BootPins> pins) : pins_(std::move(pins)) {}
   ~BootLines();
   BootLines(const BootLines&) = delete;
   BootLines& operator=(const BootLines&) = delete;
 
   /// Resets the chip with BOOT0 high (into its ROM loader) or low (into its flash). Takes 50 ms.
+  /// Throws umov::Error when a line can't be set.
   void reset(bool into_rom);
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::unique_ptr<BootPins> pins_;
+  bool in_rom_ = false;
 };
 
 }  // namespace umov::instrument

@@ -153,4 +153,18 @@ void dfu_leave(DfuPipe& device) {
   }
 }
 
+void dfu_work_and_leave(DfuPipe& device, const std::function<void()>& work) {
+  try {
+    work();
+  } catch (...) {
+    try {
+      dfu_leave(device);
+    } catch (const Error&) {
+      // What went wrong first is what the user must know.
+    }
+    throw;
+  }
+  dfu_leave(device);
+}
+
 }  // namespace umov::instrument

@@ -66,4 +66,8 @@ void wait_for_state(DfuPipe& device, protocol::dfu::State wanted);
 /// Back to the program. The device may be gone before it has answered.
 void dfu_leave(DfuPipe& device);
 
+/// Does `work` and leaves; where that fails leaves all the same, if the device still listens, so
+/// that a program that is good runs again. Throws what `work` throws.
+void dfu_work_and_leave(DfuPipe& device, const std::function<void()>& work);
+
 }  // namespace umov::instrument

@@ -44,6 +44,16 @@ void command(DfuPipe& loader, std::uint8_t code, std::uint32_t address) {
   download(loader, command_block, bytes);
 }
 
+/// Every sector that these bytes touch.
+void erase(DfuPipe& loader, std::uint32_t address, std::size_t size) {
+  const auto end = address + static_cast<std::uint32_t>(size);
+  for (const Sector& sector : sectors()) {
+    if (sector.begin < end && sector.begin + sector.size > address) {
+      command(loader, erase_command, sector.begin);
+    }
+  }
+}
+
 }  // namespace
 
 void rom_write(DfuPipe& loader, std::uint32_t address, std::span<const std::uint8_t> bytes,
@@ -54,12 +64,7 @@ void rom_write(DfuPipe& loader, std::uint32_t address, std::span<const std::uint
                 "give an image of this board");
   }
   make_dfu_idle(loader);
-  const auto end = address + static_cast<std::uint32_t>(bytes.size());
-  for (const Sector& sector : sectors()) {
-    if (sector.begin < end && sector.begin + sector.size > address) {
-      command(loader, erase_command, sector.begin);
-    }
-  }
+  erase(loader, address, bytes.size());
   command(loader, set_address_command, address);
   std::uint16_t block = first_data_block;
   for (std::size_t at = 0; at < bytes.size(); ++block) {
@@ -69,6 +74,14 @@ void rom_write(DfuPipe& loader, std::uint32_t address, std::span<const std::uint
     if (progress) progress(UpdatePhase::sending, at, bytes.size());
   }
   make_dfu_idle(loader);
+}
+
+void rom_flash(DfuPipe& loader, std::span<const std::uint8_t> boot_loader,
+               std::span<const std::uint8_t> image, const UpdateProgress& progress) {
+  make_dfu_idle(loader);
+  erase(loader, rom::staged_address, rom::image_room);
+  if (!boot_loader.empty()) rom_write(loader, rom::boot_loader_address, boot_loader, progress);
+  rom_write(loader, rom::image_address, image, progress);
 }
 
 }  // namespace umov::instrument

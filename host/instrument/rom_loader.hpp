@@ -17,6 +17,8 @@ namespace rom {
 inline constexpr std::uint32_t flash_begin = 0x0800'0000, flash_end = 0x0810'0000;
 inline constexpr std::uint32_t boot_loader_address = flash_begin, boot_loader_room = 32 * 1024;
 inline constexpr std::uint32_t image_address = 0x0802'0000, image_room = 128 * 1024;
+/// Where the boot loader keeps an image that it has received, marked when it is to be installed.
+inline constexpr std::uint32_t staged_address = 0x0804'0000;
 /// wTransferSize of the ROM loader.
 inline constexpr std::size_t transfer_bytes = 2048;
 }  // namespace rom
@@ -25,6 +27,11 @@ inline constexpr std::size_t transfer_bytes = 2048;
 /// in the flash, UpdateRefused when the loader refuses (read-out protection), LinkLost.
 void rom_write(DfuPipe& loader, std::uint32_t address, std::span<const std::uint8_t> bytes,
                const UpdateProgress& progress = {});
+
+/// Writes the boot loader, unless it is empty, and the image. An update that waits to be installed
+/// is erased first: else the next start would put it over this image. Throws as rom_write().
+void rom_flash(DfuPipe& loader, std::span<const std::uint8_t> boot_loader,
+               std::span<const std::uint8_t> image, const UpdateProgress& progress = {});
 
 /// The ROM loader of the chip that is plugged in, waited for; throws umov::Error when none appears,
 /// or more than one.

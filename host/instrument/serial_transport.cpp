@@ -10,7 +10,6 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <ctime>
 #include <utility>
 
 #include "host/errors/error.hpp"
@@ -18,6 +17,7 @@
 #include "host/instrument/usb_devices.hpp"
 #include "host/instrument/wall_clock.hpp"
 #include "host/net/socket.hpp"
+#include "host/net/wait.hpp"
 
 namespace umov::instrument {
 namespace {
@@ -43,15 +43,6 @@ constexpr std::array<std::pair<std::uint32_t, speed_t>, 15> speeds = {{{9600, B9
                                                                        {2000000, B2000000},
                                                                        {3000000, B3000000}}};
 
-/// Waits until the line is ready for `events`; false on timeout or signal. A line that hung up is
-/// ready.
-bool wait_for(const net::Socket& line, short events, microseconds timeout) {
-  const auto us = std::max<microseconds::rep>(timeout.count(), 0);
-  const timespec limit{us / 1'000'000, (us % 1'000'000) * 1000};
-  pollfd request{line.descriptor(), events, 0};
-  return ppoll(&request, 1, &limit, nullptr) > 0;
-}
-
 class SerialTransport final : public Transport {
  public:
   SerialTransport(net::Socket line, std::string name)
@@ -66,12 +57,12 @@ class SerialTransport final : public Transport {
       }
       if (sent < 0 && errno == EINTR) continue;
       if (sent < 0 && errno != EAGAIN) lose(std::strerror(errno));
-      if (!wait_for(line_, POLLOUT, write_timeout) && errno != EINTR) lose("it takes no data");
+      if (!net::wait_for(line_, POLLOUT, write_timeout) && errno != EINTR) lose("it takes no data");
     }
   }
 
   std::size_t read(std::span<std::uint8_t> buffer, microseconds timeout) override {
-    if (!wait_for(line_, POLLIN, timeout)) return 0;
+    if (!net::wait_for(line_, POLLIN, timeout)) return 0;
     const ssize_t count = ::read(line_.descriptor(), buffer.data(), buffer.size());
     if (count > 0) return static_cast<std::size_t>(count);
     if (count == 0) lose("the adapter was unplugged");

@@ -93,6 +93,17 @@ struct TcpServer::Sockets {
     return count == 0 || (count < 0 && !net::would_block(errno));
   }
 
+  /// True when the client has gone, whether or not it left something to read.
+  bool client_is_leaving() const {
+    pollfd request{client.descriptor(), POLLRDHUP, 0};
+    return poll(&request, 1, 0) > 0;
+  }
+
+  bool somebody_waits() const {
+    pollfd request{listener.descriptor(), POLLIN, 0};
+    return poll(&request, 1, 0) > 0;
+  }
+
   void note_owner(std::span<const std::uint8_t> bytes) {
     client_reader.feed(bytes, [&](const protocol::FrameView& frame) {
       protocol::Hello hello{};
@@ -139,16 +150,18 @@ bool TcpServer::wait(std::chrono::microseconds timeout) {
 
   bool news = requests[1].revents != 0;
   if (news && s.client && s.client_has_gone()) s.drop_client();
-  if (requests[0].revents != 0) {
-    while (net::Socket socket = s.listener.accept()) {
-      // Both may have happened since the last look: the client went, another came.
-      if (s.client && s.client_has_gone()) s.drop_client();
-      if (s.client) {
-        s.refuse(std::move(socket));
-      } else {
-        s.admit(std::move(socket));
-        news = true;
-      }
+  while (s.somebody_waits()) {
+    // Both may have happened since the last look: the client went, another came. What the first
+    // one said last is read before the other is let in.
+    if (s.client && s.client_has_gone()) s.drop_client();
+    if (s.client && s.client_is_leaving()) break;
+    net::Socket socket = s.listener.accept();
+    if (!socket) break;
+    if (s.client) {
+      s.refuse(std::move(socket));
+    } else {
+      s.admit(std::move(socket));
+      news = true;
     }
   }
   return news;

@@ -7,15 +7,14 @@
 #include <poll.h>
 #include <sys/socket.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <ctime>
 
 #include "host/errors/error.hpp"
 #include "host/instrument/link_lost.hpp"
 #include "host/instrument/wall_clock.hpp"
 #include "host/net/socket.hpp"
+#include "host/net/wait.hpp"
 
 namespace umov::instrument {
 namespace {
@@ -28,14 +27,6 @@ constexpr std::chrono::milliseconds write_timeout{5000};
 
 std::string error_text(int number) {
   return std::strerror(number);
-}
-
-/// Waits until the socket is ready for `events`; false on timeout or signal.
-bool wait_for(const net::Socket& socket, short events, microseconds timeout) {
-  const auto us = std::max<microseconds::rep>(timeout.count(), 0);
-  const timespec limit{us / 1'000'000, (us % 1'000'000) * 1000};
-  pollfd request{socket.descriptor(), events, 0};
-  return ppoll(&request, 1, &limit, nullptr) > 0;
 }
 
 class TcpTransport final : public Transport {
@@ -54,14 +45,14 @@ class TcpTransport final : public Transport {
       if (errno != EAGAIN && errno != EWOULDBLOCK) {
         throw LinkLost(name_, "connection lost: " + error_text(errno));
       }
-      if (!wait_for(socket_, POLLOUT, write_timeout) && errno != EINTR) {
+      if (!net::wait_for(socket_, POLLOUT, write_timeout) && errno != EINTR) {
         throw LinkLost(name_, "connection lost: the controller takes no data");
       }
     }
   }
 
   std::size_t read(std::span<std::uint8_t> buffer, microseconds timeout) override {
-    if (!wait_for(socket_, POLLIN, timeout)) return 0;
+    if (!net::wait_for(socket_, POLLIN, timeout)) return 0;
     const ssize_t count = ::recv(socket_.descriptor(), buffer.data(), buffer.size(), 0);
     if (count > 0) return static_cast<std::size_t>(count);
     if (count == 0) throw LinkLost(name_, "the controller closed the connection");
@@ -85,7 +76,7 @@ int connect_within(const net::Socket& socket, const addrinfo& address, Clock::ti
   if (errno != EINPROGRESS) return errno;
   for (;;) {
     const auto left = std::chrono::duration_cast<microseconds>(deadline - Clock::now());
-    if (wait_for(socket, POLLOUT, left)) break;
+    if (net::wait_for(socket, POLLOUT, left)) break;
     if (left.count() <= 0) return ETIMEDOUT;
   }
   int failure = 0;

@@ -5,6 +5,7 @@
 #include <thread>
 #include <utility>
 
+#include "host/errors/error.hpp"
 #include "host/instrument/libusb_handles.hpp"
 #include "host/instrument/link_lost.hpp"
 #include "host/instrument/rom_loader.hpp"
@@ -180,8 +181,8 @@ std::unique_ptr<DfuPipe> open_rom_loader(std::chrono::seconds limit) {
   }
 }
 
-bool wait_for_device(const std::function<std::vector<UsbDeviceInfo>()>& list,
-                     const std::string& serial, std::chrono::seconds limit) {
+bool wait_for_device(const UsbListing& list, const std::string& serial,
+                     std::chrono::seconds limit) {
   const auto deadline = std::chrono::steady_clock::now() + limit;
   for (;;) {
     const auto found = list();
@@ -190,7 +191,35 @@ bool wait_for_device(const std::function<std::vector<UsbDeviceInfo>()>& list,
         })) {
       return true;
     }
-    if (std::chrono::steady_clock::now() >= deadline) return false;
+    if (std::chrono::steady_clock::now() >= deadline) {
+      // One that may not be opened does not tell its serial number.
+      const auto closed = std::find_if(found.begin(), found.end(), [&](const auto& device) {
+        return !device.accessible && (device.serial.empty() || device.serial == serial);
+      });
+      if (closed == found.end()) return false;
+      throw Error({"usb:" + serial}, "you may not open the controller at " + closed->node,
+                  permission_remedy());
+    }
+    std::this_thread::sleep_for(look_again);
+  }
+}
+
+UsbDeviceInfo wait_for_new_device(const UsbListing& list, const std::vector<UsbDeviceInfo>& others,
+                                  std::chrono::seconds limit) {
+  const auto deadline = std::chrono::steady_clock::now() + limit;
+  for (;;) {
+    auto found = list();
+    std::erase_if(found, [&](const auto& device) {
+      return std::any_of(others.begin(), others.end(), [&](const auto& other) {
+        return device.node == other.node ||
+               (!device.serial.empty() && device.serial == other.serial);
+      });
+    });
+    const bool there = std::any_of(found.begin(), found.end(),
+                                   [](const auto& device) { return device.accessible; });
+    if (there || std::chrono::steady_clock::now() >= deadline) {
+      return choose_device(found, "usb", {});
+    }
     std::this_thread::sleep_for(look_again);
   }
 }

@@ -25,8 +25,17 @@ std::string restart_in_boot_loader(const std::string& serial);
 /// none, or it may not be opened.
 std::unique_ptr<DfuPipe> open_boot_loader(const std::string& serial, bool older_too);
 
-/// Looks for the controller again and again until it is there; false when it is not within `limit`.
-bool wait_for_device(const std::function<std::vector<UsbDeviceInfo>()>& list,
-                     const std::string& serial, std::chrono::seconds limit);
+/// What list_usb_devices() or list_update_devices() tells, now.
+using UsbListing = std::function<std::vector<UsbDeviceInfo>()>;
+
+/// Looks for the controller again and again until it is there and may be opened; false when it is
+/// not within `limit`. Throws umov::Error then if there is one that may not be opened, which may be
+/// it.
+bool wait_for_device(const UsbListing& list, const std::string& serial, std::chrono::seconds limit);
+
+/// The one controller that is none of `others`, looked for again and again. Throws umov::Error when
+/// there is none within `limit`, more than one, or it may not be opened.
+UsbDeviceInfo wait_for_new_device(const UsbListing& list, const std::vector<UsbDeviceInfo>& others,
+                                  std::chrono::seconds limit);
 
 }  // namespace umov::instrument

@@ -84,6 +84,8 @@ class EmulatedBoard(UmovCase):
                                                 encoding="utf-8")
         self.refused("device", "flash", image, "--quiet", "--rom", "lines.toml", says=["no such GPIO chip"])
         self.refused("device", "flash", image, "--device", "tcp:localhost:1", says=["over USB"])
+        self.refused("device", "flash", image, "--quiet", "--backup", "nowhere/old.bin",
+                     says=["nowhere/old.bin", "the folder does not exist"])  # before the controller is looked for
 
     def test_an_image_that_is_none_is_refused(self):
         (self.folder / "image.elf").write_text("no image", encoding="utf-8")

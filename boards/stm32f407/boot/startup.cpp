@@ -3,15 +3,10 @@
 #include <cstdint>
 
 #include "boards/stm32f407/boot_request.hpp"
+#include "boards/stm32f407/prepare_memory.hpp"
 #include "boards/stm32f407/registers/core.hpp"
 
 extern "C" {
-
-extern std::uint32_t image_data_load[], image_data_begin[], image_data_end[];
-extern std::uint32_t image_bss_begin[], image_bss_end[];
-extern std::uint32_t image_stack_top[];
-using Constructor = void (*)();
-extern Constructor __init_array_start[], __init_array_end[];
 
 int main();
 
@@ -22,10 +17,7 @@ int main();
 }
 
 [[noreturn]] void reset_handler() {
-  const std::uint32_t* from = image_data_load;
-  for (std::uint32_t* to = image_data_begin; to < image_data_end;) *to++ = *from++;
-  for (std::uint32_t* to = image_bss_begin; to < image_bss_end;) *to++ = 0;
-  for (Constructor* c = __init_array_start; c < __init_array_end; ++c) (*c)();
+  umov::boards::stm32f407::prepare_memory();
   main();
   fault_handler();
 }

@@ -4,9 +4,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "firmware/core/usb/descriptor_builder.hpp"
 #include "firmware/core/usb/ms_os_20.hpp"
+#include "firmware/core/usb/standard_requests.hpp"
 #include "protocol/usb.hpp"
 
 namespace umov::firmware::usb {
@@ -28,7 +30,7 @@ inline constexpr std::uint16_t device_revision = 0x0100;
 namespace string_index {
 inline constexpr std::uint8_t manufacturer = 1;
 inline constexpr std::uint8_t product = 2;
-inline constexpr std::uint8_t serial = 3;
+inline constexpr std::uint8_t serial = serial_index;
 inline constexpr std::uint8_t bulk = 4;
 inline constexpr std::uint8_t reports = 5;
 inline constexpr std::uint8_t hand = 6;
@@ -158,6 +160,15 @@ inline constexpr auto bos_descriptor = [] {
                        high_byte(size), 2},
               capabilities);
 }();
+
+/// By index; the serial number is the device's own.
+inline constexpr std::array<std::span<const std::uint8_t>, 8> strings = {
+    language_ids, manufacturer_text, product_text, {},
+    bulk_text,    reports_text,      hand_text,    dfu_text};
+static_assert(strings.size() == string_index::dfu + 1u && strings[string_index::serial].empty());
+
+inline constexpr DescriptorTable descriptor_table = {device_descriptor, configuration,
+                                                     bos_descriptor, strings};
 
 /// The serial number of a chip: its 96-bit id as 24 hexadecimal digits, highest first.
 constexpr std::array<char, 24> serial_of_chip(const std::array<std::uint32_t, 3>& chip_id) {

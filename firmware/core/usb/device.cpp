@@ -1,7 +1,5 @@
 #include "firmware/core/usb/device.hpp"
 
-#include <algorithm>
-
 namespace umov::firmware::usb {
 
 Device::Device(Port& port, Application& application, const std::array<char, 24>& serial,
@@ -9,15 +7,8 @@ Device::Device(Port& port, Application& application, const std::array<char, 24>&
     : port_(&port),
       application_(&application),
       control_(port, *this),
-      links_(port, application, line) {
-  const auto length =
-      static_cast<std::size_t>(std::find(serial.begin(), serial.end(), '\0') - serial.begin());
-  serial_string_[0] = low_byte(2 + 2 * length);
-  serial_string_[1] = static_cast<std::uint8_t>(DescriptorType::string);
-  for (std::size_t i = 0; i < length; ++i) {
-    serial_string_[2 + 2 * i] = static_cast<std::uint8_t>(serial[i]);
-  }
-}
+      links_(port, application, line),
+      serial_(serial) {}
 
 void Device::on_reset() {
   control_.reset();

@@ -10,6 +10,7 @@
 #include "firmware/core/usb/descriptors.hpp"
 #include "firmware/core/usb/link_switch.hpp"
 #include "firmware/core/usb/port.hpp"
+#include "firmware/core/usb/standard_requests.hpp"
 
 namespace umov::firmware::usb {
 
@@ -59,7 +60,6 @@ class Device final : public PortEvents, private ControlHandler {
   ControlAnswer get_status(const Request& request);
   ControlAnswer change_halt(const Request& request, bool halt);
   ControlAnswer get_descriptor(const Request& request) const;
-  ControlAnswer get_string(std::uint8_t index) const;
   bool has_interface(const Request& request) const;
   ControlAnswer small_reply(std::size_t size);
 
@@ -67,7 +67,7 @@ class Device final : public PortEvents, private ControlHandler {
   Application* application_;
   ControlPipe control_;
   LinkSwitch links_;
-  std::array<std::uint8_t, 2 + 2 * 24> serial_string_{};
+  SerialString serial_;
   std::uint8_t configuration_ = 0;
   std::uint16_t halted_ = 0;  ///< bit n: OUT n, bit 8 + n: IN n
   bool detaching_ = false;

@@ -1,7 +1,6 @@
 // What the device does with each control request.
-#include <algorithm>
-
 #include "firmware/core/usb/device.hpp"
+#include "firmware/core/usb/standard_requests.hpp"
 
 namespace umov::firmware::usb {
 namespace {
@@ -38,17 +37,6 @@ bool is_endpoint(std::uint16_t address) {
 std::uint16_t halt_bit(std::uint16_t address) {
   const auto endpoint = static_cast<EndpointAddress>(address);
   return static_cast<std::uint16_t>(1u << (endpoint_number(endpoint) + (is_in(endpoint) ? 8 : 0)));
-}
-
-/// Whether the request asks for data; the other standard requests have no data stage.
-bool asks_standard(std::uint8_t number) {
-  return number == standard::get_status || number == standard::get_descriptor ||
-         number == standard::get_configuration || number == standard::get_interface;
-}
-
-/// Direction and length as they must be for a request that asks for data, or that has none.
-bool proper(const Request& request, bool asks) {
-  return asks ? request.to_host : !request.to_host && request.length == 0;
 }
 
 }  // namespace
@@ -189,45 +177,7 @@ ControlAnswer Device::get_descriptor(const Request& request) const {
     }
     return ControlAnswer::refuse();
   }
-  if (request.recipient != Recipient::device) return ControlAnswer::refuse();
-  if (type == static_cast<std::uint8_t>(DescriptorType::string)) {
-    return get_string(request.value_low());
-  }
-  if (request.value_low() != 0) return ControlAnswer::refuse();
-  switch (static_cast<DescriptorType>(type)) {
-    case DescriptorType::device:
-      return ControlAnswer::reply(device_descriptor);
-    case DescriptorType::configuration:
-      return ControlAnswer::reply(configuration);
-    case DescriptorType::bos:
-      return ControlAnswer::reply(bos_descriptor);
-    default:
-      return ControlAnswer::refuse();  // device_qualifier: full speed is all there is
-  }
-}
-
-ControlAnswer Device::get_string(std::uint8_t index) const {
-  switch (index) {
-    case 0:
-      return ControlAnswer::reply(language_ids);
-    case string_index::manufacturer:
-      return ControlAnswer::reply(manufacturer_text);
-    case string_index::product:
-      return ControlAnswer::reply(product_text);
-    case string_index::serial:
-      return ControlAnswer::reply(
-          std::span<const std::uint8_t>(serial_string_).first(serial_string_[0]));
-    case string_index::bulk:
-      return ControlAnswer::reply(bulk_text);
-    case string_index::reports:
-      return ControlAnswer::reply(reports_text);
-    case string_index::hand:
-      return ControlAnswer::reply(hand_text);
-    case string_index::dfu:
-      return ControlAnswer::reply(dfu_text);
-    default:
-      return ControlAnswer::refuse();
-  }
+  return describe(descriptor_table, serial_, request);
 }
 
 ControlAnswer Device::on_class(const Request& request) {

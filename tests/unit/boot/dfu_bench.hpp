@@ -1,6 +1,7 @@
 // A boot loader on a desk: the device's half on a bus of software, the host's half above it.
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "firmware/boot/boot_device.hpp"
@@ -8,6 +9,7 @@
 #include "hil/usbip/stack_port.hpp"
 #include "host/instrument/dfu_client.hpp"
 #include "tests/unit/boot/boot_bench.hpp"
+#include "tests/unit/control_urb.hpp"
 
 namespace umov::test {
 
@@ -28,23 +30,11 @@ class DfuBench final : public instrument::DfuPipe {
   };
   Outcome control(std::uint8_t type, std::uint8_t request, std::uint16_t value,
                   std::uint16_t length, Bytes data, std::uint16_t index = 0) {
-    usbip::Urb urb;
-    urb.to_host = (type & 0x80) != 0;
-    urb.setup = {type,
-                 request,
-                 static_cast<std::uint8_t>(value),
-                 static_cast<std::uint8_t>(value >> 8),
-                 static_cast<std::uint8_t>(index),
-                 static_cast<std::uint8_t>(index >> 8),
-                 static_cast<std::uint8_t>(length),
-                 static_cast<std::uint8_t>(length >> 8)};
-    urb.length = length;
-    urb.bytes = std::move(data);
     Outcome outcome;
     usbip::Bus bus(port, [&](const usbip::Urb& done, std::int32_t status, std::size_t) {
       outcome = {status, done.to_host ? done.bytes : Bytes{}};
     });
-    bus.submit(std::move(urb));
+    bus.submit(control_urb({type, request, value, index, length}, std::move(data)));
     bus.run();
     return outcome;
   }
@@ -62,7 +52,10 @@ class DfuBench final : public instrument::DfuPipe {
   }
   void wait(std::chrono::milliseconds duration) override {
     waited += duration;
-    for (int i = 0; i < duration.count(); i += 5) device.work();
+    for (int i = 0; i < duration.count(); i += 5) {
+      if (between_pieces && device.working()) between_pieces();
+      device.work();
+    }
   }
   std::string text(std::uint8_t index) override {
     const auto got = control(0x80, 6, static_cast<std::uint16_t>(0x0300 | index), 255, {}, 0x409);
@@ -76,6 +69,7 @@ class DfuBench final : public instrument::DfuPipe {
   usbip::StackPort port;
   boot::BootDevice device;
   std::chrono::milliseconds waited{0};
+  std::function<void()> between_pieces;  ///< before each piece of work
 };
 
 }  // namespace umov::test

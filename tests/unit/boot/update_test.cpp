@@ -141,6 +141,66 @@ TEST_F(Update, RequestsOutOfTurnAreStalledAndTheNextUpdateWorks) {
   EXPECT_TRUE(flash_.holds(boot_place::running, new_));
 }
 
+TEST_F(Update, ThatFailsLeavesTheBootLoaderSoThatTheProgramRunsAgain) {
+  {
+    DfuBench bench(flash_, trust_);
+    EXPECT_THROW(instrument::dfu_work_and_leave(
+                     bench, [&] { instrument::dfu_download(bench, Bytes(5'000, 0x55)); }),
+                 UpdateRefused);
+    EXPECT_TRUE(bench.device.leaving()) << "refused";
+  }
+  {
+    DfuBench bench(flash_, trust_);
+    EXPECT_THROW(instrument::dfu_work_and_leave(bench,
+                                                [&] {
+                                                  bench.write(dfu::download, 0,
+                                                              std::span(new_).first(1024));
+                                                  throw std::runtime_error("disk full");
+                                                }),
+                 std::runtime_error);
+    EXPECT_TRUE(bench.device.leaving()) << "in the middle of a download";
+  }
+  DfuBench bench(flash_, trust_);
+  instrument::dfu_work_and_leave(bench, [&] { instrument::dfu_download(bench, new_); });
+  EXPECT_TRUE(bench.device.leaving());
+  EXPECT_TRUE(flash_.holds(boot_place::running, new_));
+}
+
+TEST_F(Update, NoRequestStopsWhatIsBeingWrittenOrInstalled) {
+  const auto told_to = [](std::uint8_t request, Bytes bytes = {}) {
+    return [=](DfuBench& bench) { return bench.write(request, 0, bytes); };
+  };
+  const auto asked_for = [](std::uint8_t request) {
+    return [=](DfuBench& bench) { return bench.read(request, 0, 64).good; };
+  };
+  const std::vector<std::pair<const char*, std::function<bool(DfuBench&)>>> requests = {
+      {"abort", told_to(dfu::abort)},
+      {"detach", told_to(dfu::detach)},
+      {"clear status", told_to(dfu::clear_status)},
+      {"a block", told_to(dfu::download, Bytes(64, 1))},
+      {"a block too long", told_to(dfu::download, Bytes(4'096, 1))},
+      {"the end", told_to(dfu::download)},
+      {"upload", asked_for(dfu::upload)},
+      {"a request that there is none of", told_to(77)},
+      {"a question that there is none of", asked_for(77)},
+      {"abort with data", told_to(dfu::abort, Bytes(4, 0))},
+  };
+  for (const auto& [name, request] : requests) {
+    RamFlash flash = flash_;
+    DfuBench bench(flash, trust_);
+    int pieces = 0;
+    bench.between_pieces = [&, &act = request] {
+      ++pieces;
+      EXPECT_FALSE(act(bench));
+    };
+    ASSERT_NO_THROW(instrument::dfu_download(bench, new_)) << name;
+    EXPECT_TRUE(flash.holds(boot_place::running, new_)) << name;
+    EXPECT_TRUE(flash.holds(boot_place::previous, old_)) << name;
+    EXPECT_GT(pieces, 2 * 24 + 20) << "blocks stored, pieces copied twice";
+    EXPECT_FALSE(bench.device.leaving()) << name;
+  }
+}
+
 TEST_F(Update, AResetOnTheBusEndsDfuModeOnceTheDeviceWasInUse) {
   DfuBench bench(flash_, trust_);
   EXPECT_FALSE(bench.device.leaving()) << "a host resets the device that it meets";

@@ -58,6 +58,7 @@ class SmallWorld : public boards::native::World {
   void set_shutter(bool open, double) override { shutter = open; }
   void set_gain(int new_range, double) override { range = new_range; }
   bool interlock_closed() const override { return interlock; }
+  bool supply_low() const override { return low_supply; }
   void set_reference(std::uint32_t phase_step) override { step_per_sample = phase_step; }
   void sample(double, double, std::uint64_t first, std::span<std::uint16_t> signal,
               std::span<std::uint16_t> monitor) override {
@@ -87,6 +88,7 @@ class SmallWorld : public boards::native::World {
   std::array<bool, 3> lasers{};
   bool shutter = false;
   bool interlock = true;
+  bool low_supply = false;
   int range = 0;
   double signal_codes = 500;  ///< half the height of the square wave at range 1
   double dark_codes = 0;

@@ -271,5 +271,29 @@ TEST_F(SavedSettingsOfTheController, AreNotWrittenWhileAxesMove) {
   EXPECT_FALSE(bench->ask(pr::SaveSettings{0}));
 }
 
+TEST_F(SavedSettingsOfTheController, StayInForceWhenSavingTheBuiltInOnesIsRefused) {
+  auto bench = start();
+  bench->ask(slow_detector);
+  bench->ask(low_frequency);
+  ASSERT_TRUE(bench->ask(pr::SaveSettings{0}));
+  store_->refuses = true;
+  EXPECT_FALSE(bench->ask(pr::SaveSettings{1}));
+  EXPECT_EQ(bench->ask(pr::GetAxis{1})->speed_mdeg_s, 5'000u);
+  EXPECT_EQ(bench->ask(pr::GetLockin{})->reference_mhz, 370'000u);
+  store_->refuses = false;
+  EXPECT_EQ(start()->ask(pr::GetAxis{1})->speed_mdeg_s, 5'000u);
+}
+
+TEST_F(SavedSettingsOfTheController, AreNotWrittenWhileTheSupplyIsLow) {
+  auto bench = start();
+  bench->ask(slow_detector);
+  world_.low_supply = true;
+  EXPECT_FALSE(bench->ask(pr::SaveSettings{0}));
+  EXPECT_FALSE(bench->ask(pr::SaveSettings{1}));
+  EXPECT_EQ(bench->ask(pr::GetAxis{1})->speed_mdeg_s, 5'000u);
+  world_.low_supply = false;
+  EXPECT_EQ(start()->ask(pr::GetAxis{1})->speed_mdeg_s, 40'000u) << "nothing was saved";
+}
+
 }  // namespace
 }  // namespace umov

@@ -127,6 +127,21 @@ TEST(RomLoader, BootLoaderAndImageAreWrittenAndNothingElseIsErased) {
   EXPECT_EQ(loader.state, dfu::State::idle);
 }
 
+TEST(RomLoader, AnUpdateThatWaitsToBeInstalledIsErasedBeforeTheImageIsWritten) {
+  RomLoader loader;
+  const Bytes boot = noise(19'001), image = noise(75'536);
+  rom_flash(loader, boot, image);
+  EXPECT_EQ(loader.erased,
+            (std::vector<std::uint32_t>{0x08040000, 0x08000000, 0x08004000, 0x08020000}));
+  EXPECT_EQ(loader.flash[0x5FFFC], 0xFF) << "the mark";
+  EXPECT_TRUE(std::equal(boot.begin(), boot.end(), loader.flash.begin()));
+  EXPECT_TRUE(std::equal(image.begin(), image.end(), loader.flash.begin() + 0x20000));
+  EXPECT_EQ(loader.flash[0x60000], 0x5A) << "the image before it stays";
+  loader.erased.clear();
+  rom_flash(loader, {}, image);
+  EXPECT_EQ(loader.erased, (std::vector<std::uint32_t>{0x08040000, 0x08020000}));
+}
+
 TEST(RomLoader, WhatAnotherProgramLeftUnfinishedIsEndedFirst) {
   for (const auto state : {dfu::State::error, dfu::State::download_idle, dfu::State::upload_idle}) {
     RomLoader loader;

@@ -8,11 +8,11 @@
 
 #include "host/errors/error.hpp"
 #include "host/instrument/link_lost.hpp"
-#include "host/instrument/program_stream.hpp"
 #include "host/instrument/session.hpp"
 #include "host/instrument/tcp_server.hpp"
 #include "host/instrument/tcp_transport.hpp"
 #include "tests/unit/failure.hpp"
+#include "tests/unit/instrument/coming_and_going.hpp"
 #include "tests/unit/instrument/simulated_device.hpp"
 
 namespace umov::instrument {
@@ -84,31 +84,34 @@ TEST(Tcp, AClientThatCameAndWentUnseenKeepsNobodyOut) {
   EXPECT_EQ(server.read(buffer), 3u);
 }
 
+TEST(Tcp, WhatAClientSaidLastIsReadBeforeTheNextIsLetInAndNobodyIsRefused) {
+  TcpServer server(0);
+  auto first = connect_tcp("127.0.0.1", server.port());
+  server.wait(1s);
+  ASSERT_EQ(server.client_number(), 1u);
+  const std::array<std::uint8_t, 3> bytes = {1, 2, 3};
+  first->write(bytes);
+  first.reset();
+  const auto second = connect_tcp("127.0.0.1", server.port());
+  std::array<std::uint8_t, 16> buffer{};
+  server.wait(1s);
+  EXPECT_EQ(server.client_number(), 1u);
+  EXPECT_EQ(server.read(buffer), 3u);
+  for (int i = 0; i < 3 && server.client_number() < 2; ++i) {
+    server.wait(1s);
+    EXPECT_EQ(server.read(buffer), 0u);
+  }
+  EXPECT_EQ(server.client_number(), 2u);
+  second->write(bytes);
+  server.wait(1s);
+  EXPECT_EQ(server.read(buffer), 3u);
+}
+
 TEST(Tcp, AProgramSurvivesAClientThatComesAndGoes) {
   ServedDevice device;
-  class Sink final : public RecordSink {
-   public:
-    void take(const protocol::Record& record) override { EXPECT_EQ(record.index, next++); }
-    void secure() override {}
-    std::uint32_t next = 0;
-  } sink;
-  ProgramOptions options;
-  options.program_id = 5;
-  options.row_count = 2000;
-  options.records_per_secure = 4;
-  ProgramStream stream(
-      options,
-      [](std::uint32_t) {
-        protocol::ProgramRow row;
-        row.dwell_ms = 1;
-        return row;
-      },
-      sink);
-  for (std::uint32_t goal = 500; !stream.complete(); goal += 500) {
-    Session session(connect_tcp("localhost", device.port()));
-    stream.run(session, [&](const ProgramStream& s) { return s.next_index() < goal; });
-  }
-  EXPECT_EQ(sink.next, 2000u);
+  EXPECT_GE(testing::run_with_a_host_that_comes_and_goes(
+                [&] { return connect_tcp("localhost", device.port()); }, 2000, 500),
+            4);
 }
 
 TEST(Tcp, NobodyListeningIsOneClearMessage) {

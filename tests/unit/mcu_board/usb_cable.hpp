@@ -14,6 +14,7 @@
 #include "hil/usbip/bus.hpp"
 #include "host/instrument/transport.hpp"
 #include "protocol/usb.hpp"
+#include "tests/unit/control_urb.hpp"
 
 namespace umov::test {
 
@@ -42,19 +43,7 @@ class UsbCable {
   }
   Outcome control(std::uint8_t type, std::uint8_t request, std::uint16_t value, std::uint16_t index,
                   std::uint16_t length, Bytes data = {}) {
-    usbip::Urb urb;
-    urb.to_host = (type & 0x80) != 0;
-    urb.setup = {type,
-                 request,
-                 static_cast<std::uint8_t>(value),
-                 static_cast<std::uint8_t>(value >> 8),
-                 static_cast<std::uint8_t>(index),
-                 static_cast<std::uint8_t>(index >> 8),
-                 static_cast<std::uint8_t>(length),
-                 static_cast<std::uint8_t>(length >> 8)};
-    urb.length = length;
-    urb.bytes = std::move(data);
-    return finish(std::move(urb), 100'000);
+    return finish(control_urb({type, request, value, index, length}, std::move(data)), 100'000);
   }
   Outcome write(std::uint8_t endpoint, Bytes bytes) {
     usbip::Urb urb;

@@ -15,6 +15,7 @@
 #include "protocol/frame.hpp"
 #include "protocol/messages.hpp"
 #include "protocol/schema.hpp"
+#include "tests/unit/control_urb.hpp"
 
 namespace umov::test {
 
@@ -51,24 +52,6 @@ struct Outcome {
   bool ok() const { return status == usbip::urb_status::ok; }
 };
 
-struct SetupFields {
-  std::uint8_t type;
-  std::uint8_t request;
-  std::uint16_t value;
-  std::uint16_t index;
-  std::uint16_t length;
-  std::array<std::uint8_t, 8> bytes() const {
-    return {type,
-            request,
-            static_cast<std::uint8_t>(value),
-            static_cast<std::uint8_t>(value >> 8),
-            static_cast<std::uint8_t>(index),
-            static_cast<std::uint8_t>(index >> 8),
-            static_cast<std::uint8_t>(length),
-            static_cast<std::uint8_t>(length >> 8)};
-  }
-};
-
 inline std::array<char, 24> serial_text(const std::string& text) {
   std::array<char, 24> out{};
   for (std::size_t i = 0; i < text.size() && i < out.size(); ++i) out[i] = text[i];
@@ -86,12 +69,7 @@ class UsbBench {
 
   /// One control transfer from beginning to end.
   Outcome control(const SetupFields& setup, const Bytes& data = {}) {
-    usbip::Urb urb;
-    urb.to_host = (setup.type & 0x80) != 0;
-    urb.setup = setup.bytes();
-    urb.length = setup.length;
-    urb.bytes = data;
-    return finish(std::move(urb));
+    return finish(control_urb(setup, data));
   }
   /// Reads up to `length` bytes; nothing when the endpoint has nothing to say.
   std::optional<Outcome> read(std::uint8_t endpoint, std::size_t length) {
