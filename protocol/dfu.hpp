@@ -33,6 +33,7 @@ enum class Status : std::uint8_t {
   program_failed = 6,
   verify_failed = 7,
   not_done = 9,
+  no_firmware = 10,
   vendor = 11,
   stalled_packet = 15,
 };

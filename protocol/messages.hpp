@@ -44,7 +44,9 @@ enum class Fault : std::uint8_t {
   not_homed,
   internal,
   settings_corrupt,
-  over_temperature
+  over_temperature,
+  rolled_back,
+  no_fallback
 };
 
 /// What the controller is doing.
@@ -439,7 +441,7 @@ struct ClearFault {
       0x33, "clear_fault", Sender::host,
       "Clears the latched fault named; refused while its cause persists."};
   static constexpr auto fields =
-      std::tuple{field("fault", &ClearFault::fault, "enum Fault", "fault to clear", 1, 13)};
+      std::tuple{field("fault", &ClearFault::fault, "enum Fault", "fault to clear", 1, 15)};
 };
 
 struct FaultEvent {

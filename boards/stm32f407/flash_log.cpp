@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "firmware/boot/place_tail.hpp"
 #include "protocol/crc32c.hpp"
 
 namespace umov::boards::stm32f407 {
@@ -39,7 +40,8 @@ Words words_at(std::uint32_t offset) {
 struct Refuge {
   static constexpr std::uint32_t longest_image = 96 * 1024, pair_bytes = 8;
   static constexpr std::uintptr_t begin = image_area.address + longest_image,
-                                  end = image_area.address + image_area.size;
+                                  end = image_area.address + image_area.size -
+                                        firmware::boot::reserved_bytes;
 
   Refuge() {
     for (; free < end; free += pair_bytes) {

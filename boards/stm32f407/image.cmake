@@ -10,7 +10,7 @@ file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
 set(script ${CMAKE_CURRENT_SOURCE_DIR}/image.ld)
 add_executable(umov-stm32f407 ${sources})
 set_target_properties(umov-stm32f407 PROPERTIES SUFFIX .elf LINK_DEPENDS "${script};${sign};${UMOV_SIGNING_KEY}")
-target_link_libraries(umov-stm32f407 PRIVATE umov_options umov_firmware umov_board_stm32f407_description)
+target_link_libraries(umov-stm32f407 PRIVATE umov_options umov_boot umov_firmware umov_board_stm32f407_description)
 target_link_options(umov-stm32f407 PRIVATE -nostartfiles --specs=nano.specs -T${script} -Wl,--gc-sections
                     -Wl,--fatal-warnings -Wl,-Map=${CMAKE_BINARY_DIR}/umov-stm32f407.map)
 # The header goes into the ELF file, too: a programmer may write that one under the boot loader.
@@ -39,7 +39,8 @@ add_custom_command(
   COMMENT "Key that the boot loader trusts" VERBATIM)
 file(GLOB boot_sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/boot/*.cpp)
 set(boot_script ${CMAKE_CURRENT_SOURCE_DIR}/boot/boot.ld)
-add_executable(umov-stm32f407-boot ${boot_sources} ${trusted} clock.cpp flash_memory.cpp usb_port.cpp)
+add_executable(umov-stm32f407-boot ${boot_sources} ${trusted} clock.cpp flash_memory.cpp usb_port.cpp
+               watchdog.cpp)
 set_target_properties(umov-stm32f407-boot PROPERTIES SUFFIX .elf LINK_DEPENDS ${boot_script})
 target_link_libraries(umov-stm32f407-boot PRIVATE umov_options umov_boot umov_board_stm32f407_description)
 target_link_options(umov-stm32f407-boot PRIVATE -nostartfiles --specs=nano.specs -T${boot_script} -Wl,--gc-sections

@@ -7,6 +7,7 @@
 #include <new>
 #include <string_view>
 
+#include "boards/stm32f407/boot_flash.hpp"
 #include "boards/stm32f407/chip_serial.hpp"
 #include "boards/stm32f407/clock.hpp"
 #include "boards/stm32f407/flash_log.hpp"
@@ -17,6 +18,9 @@
 #include "boards/stm32f407/stm32_board.hpp"
 #include "boards/stm32f407/usb_application.hpp"
 #include "boards/stm32f407/usb_port.hpp"
+#include "boards/stm32f407/watchdog.hpp"
+#include "firmware/boot/notes.hpp"
+#include "firmware/boot/trial.hpp"
 #include "firmware/core/controller.hpp"
 #include "firmware/source_hash.hpp"
 
@@ -27,6 +31,9 @@ Stm32Board board;
 FlashLog fault_log;
 SettingsFlash settings_flash;
 firmware::SettingsPages settings(settings_flash);
+BootFlash image_places;
+firmware::boot::Trial trial(image_places);
+bool on_trial = false;
 alignas(firmware::Controller) std::byte controller_place[sizeof(firmware::Controller)];
 firmware::Controller* controller = nullptr;
 UsbPort usb_port;
@@ -96,6 +103,28 @@ void on_step_timer() {
                                     [](int axis) { controller->on_late_step(axis); });
 }
 
+/// What the boot loader has done becomes faults, and they are in the log before it forgets them.
+/// With a low supply nothing is written: the next start tells them again.
+void tell_boot_notes() {
+  firmware::boot::Notes notes(image_places);
+  while (const auto note = notes.next()) {
+    controller->on_boot_note(note->fault, note->detail);
+    if (board.supply_low()) return;
+    fault_log.service();
+    if (!notes.mark_told()) return;
+  }
+}
+
+/// The image proves itself when a host has had answers from it, by which it can be replaced again,
+/// and its main loop has gone round for ten seconds. An image that merely runs, and that nobody can
+/// reach, is no better than one that hangs.
+void end_trial() {
+  constexpr std::uint64_t long_enough_us = 10'000'000;
+  if (!on_trial || !controller->host_answered() || board.time_us() < long_enough_us) return;
+  on_trial = false;
+  trial.confirm();
+}
+
 }  // namespace
 }  // namespace umov::boards::stm32f407
 
@@ -157,8 +186,10 @@ int main() {
   board.use_link(*usb);
   usb_port.set_up();
   controller->start();
+  tell_boot_notes();
+  on_trial = trial.open();
   usb->start();
-  start_watchdog();
+  watch_main_loop();
   start_interrupts();
   for (;;) {
     usb_port.poll(*usb);
@@ -168,7 +199,10 @@ int main() {
       board.serial().service();
       controller->tick();
       usb->tick(board.time_us());
-      if (!controller->motion().busy() && !board.supply_low()) fault_log.service();
+      if (!controller->motion().busy() && !board.supply_low()) {
+        fault_log.service();
+        end_trial();
+      }
       if (usb_application.detached()) {
         usb_port.disconnect();
         reset_with(BootRequest::update);

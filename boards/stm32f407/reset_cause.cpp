@@ -2,7 +2,6 @@
 
 #include "boards/stm32f407/registers/core.hpp"
 #include "boards/stm32f407/registers/rcc.hpp"
-#include "boards/stm32f407/registers/watchdog.hpp"
 
 namespace umov::boards::stm32f407 {
 namespace {
@@ -42,21 +41,6 @@ ResetReport take_reset_cause() {
   if ((flags & BORRSTF) != 0) return {brown_out};
   if ((flags & SFTRSTF) != 0 && noted) return {processor_fault, program_counter};
   return {power_on};
-}
-
-void start_watchdog() {
-  IwdgRegisters& w = iwdg();
-  w.KR = iwdg_keys::START;
-  w.KR = iwdg_keys::UNLOCK;
-  w.PR = 3;  // 32 kHz / 32: a count is a millisecond
-  w.RLR = 250;
-  while (w.SR != 0) {
-  }
-  w.KR = iwdg_keys::RELOAD;
-}
-
-void feed_watchdog() {
-  iwdg().KR = iwdg_keys::RELOAD;
 }
 
 }  // namespace umov::boards::stm32f407

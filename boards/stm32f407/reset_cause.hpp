@@ -1,4 +1,4 @@
-// Why the chip started, and the watchdog that may be the reason next time.
+// Why the chip started.
 #pragma once
 
 #include <cstdint>
@@ -20,10 +20,5 @@ ResetReport take_reset_cause();
 /// A processor fault happened at `program_counter`: notes it where a reset leaves it, and resets.
 /// Any context, however broken.
 [[noreturn]] void reset_after_fault(std::uint32_t program_counter);
-
-/// Resets the chip unless fed within about 250 ms (170 to 470 ms: the clock of the watchdog is
-/// coarse). Cannot be stopped again.
-void start_watchdog();
-void feed_watchdog();
 
 }  // namespace umov::boards::stm32f407

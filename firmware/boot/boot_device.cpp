@@ -7,10 +7,10 @@ using usb::Recipient;
 using usb::RequestKind;
 
 BootDevice::BootDevice(usb::Port& port, Flash& flash, const Trust& trust,
-                       const std::array<char, 24>& serial, bool development_key)
+                       const std::array<char, 24>& serial, bool development_key, Reason why)
     : port_(&port),
       control_(port, *this),
-      target_(flash, trust),
+      target_(flash, trust, why),
       serial_(serial),
       descriptors_(development_key ? &development_table : &descriptor_table) {}
 

@@ -11,11 +11,12 @@
 
 namespace umov::firmware::boot {
 
-/// One a board; all calls from one context. `development_key`: say so in the product's name.
+/// One a board; all calls from one context. `development_key`: say so in the product's name. `why`:
+/// the controller has no program to start, none otherwise.
 class BootDevice final : public usb::PortEvents, private usb::ControlHandler {
  public:
   BootDevice(usb::Port& port, Flash& flash, const Trust& trust, const std::array<char, 24>& serial,
-             bool development_key);
+             bool development_key, Reason why = Reason::none);
 
   void start() { port_->connect(); }
   /// Again and again.

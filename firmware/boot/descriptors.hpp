@@ -24,6 +24,10 @@ inline constexpr std::uint8_t older = no_image + 2;
 inline constexpr std::uint8_t damaged = no_image + 3;
 inline constexpr std::uint8_t bad_signature = no_image + 4;
 inline constexpr std::uint8_t flash_failed = no_image + 5;
+inline constexpr std::uint8_t not_kept = no_image + 6;
+inline constexpr std::uint8_t empty = no_image + 7;
+inline constexpr std::uint8_t failed_trial = no_image + 8;
+inline constexpr std::uint8_t worn_out = no_image + 9;
 }  // namespace string_index
 
 inline constexpr auto manufacturer_text = usb::string_descriptor("Umov");
@@ -42,6 +46,13 @@ inline constexpr auto damaged_text = usb::string_descriptor("the image is damage
 inline constexpr auto bad_signature_text =
     usb::string_descriptor("the image is not signed with the key of this board");
 inline constexpr auto flash_failed_text = usb::string_descriptor("the flash memory fails");
+inline constexpr auto not_kept_text =
+    usb::string_descriptor("installed, but the image before it could not be kept: flash fails");
+inline constexpr auto empty_text = usb::string_descriptor("there is no good image in it");
+inline constexpr auto failed_trial_text =
+    usb::string_descriptor("its image failed its trial, and there is none to go back to");
+inline constexpr auto worn_out_text =
+    usb::string_descriptor("the flash memory fails where the image belongs");
 inline constexpr usb::Bytes<4> language_ids = {
     4, static_cast<std::uint8_t>(usb::DescriptorType::string), 0x09, 0x04};
 
@@ -102,15 +113,16 @@ inline constexpr auto bos_descriptor = [] {
 }();
 
 /// By index; the serial number is the device's own.
-constexpr std::array<std::span<const std::uint8_t>, 12> strings_with(
+constexpr std::array<std::span<const std::uint8_t>, 16> strings_with(
     std::span<const std::uint8_t> product) {
   return {language_ids,       manufacturer_text, product,          {},         newer_text,
           older_too_text,     no_image_text,     wrong_board_text, older_text, damaged_text,
-          bad_signature_text, flash_failed_text};
+          bad_signature_text, flash_failed_text, not_kept_text,    empty_text, failed_trial_text,
+          worn_out_text};
 }
 inline constexpr auto strings = strings_with(product_text);
 inline constexpr auto development_strings = strings_with(development_text);
-static_assert(strings.size() == string_index::flash_failed + 1u &&
+static_assert(strings.size() == string_index::worn_out + 1u &&
               strings[string_index::serial].empty());
 
 inline constexpr usb::DescriptorTable descriptor_table = {device_descriptor, configuration,

@@ -94,7 +94,7 @@ ControlAnswer DfuTarget::download(const usb::Request& request, bool older_too) {
 
 /// What the header tells is looked at before anything is erased.
 bool DfuTarget::begins_well(std::span<const std::uint8_t> first_block) {
-  const std::size_t room = flash_->contents(Place::staged).size() - Installer::reserved_bytes;
+  const std::size_t room = flash_->contents(Place::staged).size() - reserved_bytes;
   switch (check_header(first_block, room, *trust_, header_)) {
     case Verdict::good:
       break;
@@ -106,7 +106,9 @@ bool DfuTarget::begins_well(std::span<const std::uint8_t> first_block) {
   ImageHeader running;
   const auto place = flash_->contents(Place::running);
   const bool known = check_header(place, place.size(), *trust_, running) == Verdict::good;
-  if (known && header_.version < running.version && !older_too_) {
+  // One that has failed is no measure for another.
+  const bool proven = known && !Trial(*flash_).failed();
+  if (proven && header_.version < running.version && !older_too_) {
     return fail(Status::vendor, Reason::older);
   }
   return true;
@@ -158,8 +160,12 @@ std::uint32_t DfuTarget::poll_ms() const {
 ControlAnswer DfuTarget::tell_status() {
   if (state_ == State::download_sync) state_ = due_ ? State::download_busy : State::download_idle;
   if (state_ == State::manifest_sync) {
-    if (!due_) forget();
-    if (due_) state_ = State::manifest;
+    if (due_) {
+      state_ = State::manifest;
+    } else {
+      forget();
+      if (!installer_.kept()) reason_ = Reason::not_kept;
+    }
   }
   const std::uint32_t wait_ms = poll_ms();
   reply_ = {static_cast<std::uint8_t>(status_),      static_cast<std::uint8_t>(wait_ms),

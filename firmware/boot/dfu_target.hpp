@@ -15,7 +15,8 @@ namespace umov::firmware::boot {
 
 namespace dfu = protocol::dfu;
 
-/// Why an image was refused, for iString of DFU_GETSTATUS.
+/// What there is to say with a status, for iString of DFU_GETSTATUS: why an image was refused; what
+/// is amiss with one that was installed; why the controller has no program.
 enum class Reason : std::uint8_t {
   none,
   no_image,
@@ -24,16 +25,23 @@ enum class Reason : std::uint8_t {
   damaged,
   bad_signature,
   flash_failed,
+  not_kept,
+  empty,
+  failed_trial,
+  worn_out,
 };
 
 /// Requests come by control transfers; work() does what takes time, between them. Nothing that a
 /// host sends changes what runs before the whole image has been received and found good. A request
 /// out of turn ends an update, except while the device works: then it is refused and that is all.
-/// An extension: DFU_DETACH in idle state ends DFU mode, like a reset on the bus.
+/// An extension: DFU_DETACH in idle state ends DFU mode, like a reset on the bus. A controller that
+/// has no program to start (`why` is not none) begins in the error state, status errFIRMWARE.
 class DfuTarget {
  public:
-  DfuTarget(Flash& flash, const Trust& trust)
-      : flash_(&flash), trust_(&trust), installer_(flash, trust) {}
+  DfuTarget(Flash& flash, const Trust& trust, Reason why)
+      : flash_(&flash), trust_(&trust), installer_(flash, trust) {
+    if (why != Reason::none) fail(dfu::Status::no_firmware, why);
+  }
 
   /// `older_too`: the alternate setting that takes images older than the one that runs.
   usb::ControlAnswer on_request(const usb::Request& request, bool older_too);

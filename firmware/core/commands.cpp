@@ -32,6 +32,7 @@ void Controller::on_frame(const FrameView& frame) {
     refuse(frame, Refusal::schema_mismatch);
     return;
   }
+  if (frame.type != protocol::Hello::info.id) host_answered_ = true;
   bool known = false;
   protocol::for_each_message([&]<class M>() {
     if constexpr (M::info.sender == protocol::Sender::host) {

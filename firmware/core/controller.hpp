@@ -63,6 +63,11 @@ class Controller {
   void on_overheat();
   void on_low_supply();
 
+  /// The boot loader has done something that the user should know of. Once, after start().
+  void on_boot_note(protocol::Fault fault, std::int32_t detail) { raise(fault, detail); }
+  /// A host has asked for something in a session since the start: it had the answer to its hello.
+  bool host_answered() const { return host_answered_; }
+
   /// A hand controller at the instrument turns an axis by so much, microdegrees, from where it is
   /// going. Steps that come while it moves add up. Nothing happens while a fault is latched, a
   /// program runs, axes move by command, the axis is not homed, or beyond its soft limits. Needs no
@@ -146,6 +151,7 @@ class Controller {
   std::atomic<std::uint8_t> stalled_axes_{0};
   std::atomic<std::uint8_t> late_axes_{0};
   bool session_open_ = false;
+  bool host_answered_ = false;
   bool credit_due_ = false;
   bool ticked_ = false;
   std::uint64_t last_tick_us_ = 0;

@@ -24,6 +24,7 @@
 #include "host/instrument/refusals.hpp"
 #include "host/instrument/session.hpp"
 #include "host/instrument/usb_devices.hpp"
+#include "host/instrument/usb_update.hpp"
 #include "host/instrument/usb_watch.hpp"
 
 namespace umov::cli {
@@ -206,7 +207,8 @@ void log(const Options& options, const Common& common) {
     entries.push_back({{"boot_id", entry.boot_id},
                        {"time_s", 1e-6 * static_cast<double>(entry.time_us)},
                        {"fault", instrument::fault_name(entry.fault)},
-                       {"detail", entry.detail}});
+                       {"detail", entry.detail},
+                       {"about", instrument::fault_detail(entry.fault, entry.detail)}});
   }
   if (common.json) {
     fmt::print("{}\n", entries.dump());
@@ -216,7 +218,7 @@ void log(const Options& options, const Common& common) {
   for (const auto& entry : entries) {
     fmt::print("boot {} at {:.3f} s: {} ({})\n", entry["boot_id"].get<std::uint32_t>(),
                entry["time_s"].get<double>(), entry["fault"].get<std::string>(),
-               entry["detail"].get<int>());
+               entry["about"].get<std::string>());
   }
 }
 
@@ -241,6 +243,25 @@ void watch(const Common& common) {
         std::fflush(stdout);
       },
       [] { return !interrupt_flag().load(); });
+}
+
+/// Controllers that run no program: their boot loaders, and why they wait.
+json waiting_controllers() {
+  json devices = json::array();
+  for (const auto& device : instrument::list_update_devices()) {
+    std::string about = "at " + device.node + ", but you may not open it";
+    if (device.accessible) {
+      about = "boot loader on " + device.node + ", waits for an image (umov device flash)";
+      const std::string trouble = instrument::boot_loader_trouble(device.serial);
+      if (!trouble.empty()) about += ": " + trouble;
+    }
+    devices.push_back({{"device", device.serial.empty() ? "usb" : "usb:" + device.serial},
+                       {"about", about},
+                       {"node", device.node},
+                       {"accessible", device.accessible},
+                       {"boot_loader", true}});
+  }
+  return devices;
 }
 
 /// What can be named after --device, and what is there.
@@ -269,6 +290,7 @@ void list(const Common& common) {
   };
   look("usb", "bulk pipes", instrument::list_usb_devices);
   look("hid", "HID reports", instrument::list_hid_devices);
+  for (const auto& waiting : waiting_controllers()) devices.push_back(waiting);
   if (common.json) {
     fmt::print("{}\n", devices.dump());
     return;

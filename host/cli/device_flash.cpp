@@ -18,6 +18,7 @@
 #include "host/instrument/boot_lines.hpp"
 #include "host/instrument/device_names.hpp"
 #include "host/instrument/firmware_image.hpp"
+#include "host/instrument/refusals.hpp"
 #include "host/instrument/rom_loader.hpp"
 #include "host/instrument/session.hpp"
 #include "host/instrument/usb_transport.hpp"
@@ -111,35 +112,72 @@ class Backup {
   std::ofstream stream_;
 };
 
-void send(instrument::DfuPipe& boot_loader, const FirmwareImage& image, const Common& common) {
+/// Sends the image and lets it be installed; returns what the controller has to say to that.
+std::string send(instrument::DfuPipe& boot_loader, const FirmwareImage& image,
+                 const Common& common) {
   Progress progress("sending", common.quiet);
   bool installing = false;
-  instrument::dfu_download(boot_loader, image.bytes,
-                           [&](instrument::UpdatePhase phase, std::size_t done, std::size_t total) {
-                             if (phase == instrument::UpdatePhase::sending) {
-                               progress.update(static_cast<double>(done),
-                                               static_cast<double>(total));
-                             } else if (!installing) {
-                               installing = true;
-                               progress.finish();
-                               if (!common.quiet) fmt::print(stderr, "checking and installing\n");
-                             }
-                           });
+  const auto tell = [&](instrument::UpdatePhase phase, std::size_t done, std::size_t total) {
+    if (phase == instrument::UpdatePhase::sending) {
+      progress.update(static_cast<double>(done), static_cast<double>(total));
+    } else if (!installing) {
+      installing = true;
+      progress.finish();
+      if (!common.quiet) fmt::print(stderr, "checking and installing\n");
+    }
+  };
+  return instrument::dfu_download(boot_loader, image.bytes, tell);
+}
+
+/// Waits until the controller runs a program, or its boot loader has given up.
+void wait_for_program(const std::string& serial) {
+  std::string trouble;
+  const auto settled = [&] {
+    auto found = instrument::list_usb_devices();
+    for (const auto& device : instrument::list_update_devices()) {
+      if (device.serial != serial) continue;
+      trouble = instrument::boot_loader_trouble(serial);
+      if (!trouble.empty()) found.push_back(device);
+    }
+    return found;
+  };
+  const bool back = instrument::wait_for_device(settled, serial, reappears_within);
+  if (!trouble.empty()) {
+    throw Error({"usb:" + serial}, "the image was installed, but it does not run: " + trouble,
+                "flash an image that works");
+  }
+  if (!back) {
+    throw Error(
+        {"usb:" + serial}, "the image was installed, but the controller does not come back",
+        "plug it in again; umov device list shows whether it, or its boot loader, is there");
+  }
+}
+
+/// Throws when the controller has noted, at this very start, that it went back to the image before.
+void refuse_roll_back(instrument::Session& session) {
+  constexpr auto rolled_back = static_cast<std::uint8_t>(protocol::Fault::rolled_back);
+  for (std::uint16_t index = 0;; ++index) {
+    const auto entry = session.request(protocol::ReadLog{index});
+    if (entry.fault == 0) return;
+    if (entry.fault != rolled_back || entry.boot_id != session.device().boot_id) continue;
+    throw Error({session.name()},
+                "the controller has gone back to the image before: " +
+                    instrument::fault_detail(entry.fault, entry.detail),
+                instrument::fault_remedy(rolled_back));
+  }
 }
 
 /// The program that answers now must be the one that was sent.
 void check_running(const std::string& serial, const FirmwareImage& image) {
   const std::string name = "usb:" + serial;
-  if (!instrument::wait_for_device(instrument::list_usb_devices, serial, reappears_within)) {
-    throw Error({name}, "the image was installed, but the controller does not come back",
-                "plug it in again; if its boot loader answers instead, flash an image that works");
-  }
+  wait_for_program(serial);
   instrument::Session session(instrument::connect_usb(serial));
+  refuse_roll_back(session);
   if (session.device().firmware_hash != image.header.source_hash) {
     throw Error({name},
                 fmt::format("the controller runs firmware {:016x}, not {:016x} of the image",
                             session.device().firmware_hash, image.header.source_hash),
-                "repeat the command; umov device log may tell why it fell back");
+                "repeat the command");
   }
 }
 
@@ -193,7 +231,7 @@ void flash(const Options& options, const Common& common) {
   const std::string wanted = serial_from(options.device);
   const auto image = instrument::read_firmware_image(options.image);
   if (!common.quiet) fmt::print(stderr, "{}: {}\n", options.image, describe(image));
-  std::string serial;
+  std::string serial, note;
   if (!options.rom.empty()) {
     const auto others = flash_by_rom(options, image, common);
     serial = !wanted.empty() ? wanted
@@ -205,11 +243,16 @@ void flash(const Options& options, const Common& common) {
     if (!options.backup.empty()) backup.emplace(options.backup);
     serial = enter_boot_loader(wanted);
     const auto boot_loader = instrument::open_boot_loader(serial, options.older_too);
+    const std::string trouble = instrument::dfu_trouble(*boot_loader);
+    if (!trouble.empty() && !common.quiet) {
+      fmt::print(stderr, "usb:{} waits in its boot loader: {}\n", serial, trouble);
+    }
     instrument::dfu_work_and_leave(*boot_loader, [&] {
       if (backup) backup->keep(*boot_loader);
-      send(*boot_loader, image, common);
+      note = send(*boot_loader, image, common);
     });
   }
+  if (!note.empty()) fmt::print(stderr, "usb:{}: {}\n", serial, note);
   check_running(serial, image);
   if (common.json) {
     fmt::print("{}\n", json{{"device", "usb:" + serial},

@@ -36,6 +36,8 @@ std::string meaning(std::uint8_t status) {
       return "its flash memory fails";
     case dfu::Status::verify_failed:
       return "what it has stored fails its check";
+    case dfu::Status::no_firmware:
+      return "it has no program that it could start";
     case dfu::Status::not_done:
       return "the file is not all of the image";
     case dfu::Status::stalled_packet:
@@ -54,19 +56,27 @@ Report report_of(DfuPipe& device) {
   return {b[0], milliseconds(b[1] | b[2] << 8 | b[3] << 16), static_cast<State>(b[4]), b[5]};
 }
 
-[[noreturn]] void throw_refused(DfuPipe& device, const Report& report) {
-  std::string reason = report.text != 0 ? device.text(report.text) : std::string();
-  if (reason.empty()) reason = meaning(report.status);
-  throw UpdateRefused(device.name(), report.status, reason);
+std::string words_of(DfuPipe& device, const Report& report) {
+  return report.text != 0 ? device.text(report.text) : std::string();
 }
 
-/// Polls until the device is in one of the states; `each` is called for each poll.
+std::string reason_of(DfuPipe& device, const Report& report) {
+  const std::string words = words_of(device, report);
+  return words.empty() ? meaning(report.status) : words;
+}
+
+[[noreturn]] void throw_refused(DfuPipe& device, const Report& report) {
+  throw UpdateRefused(device.name(), report.status, reason_of(device, report));
+}
+
+/// Polls until the device is in that state, and returns what it said then; `each` is called for
+/// each poll.
 template <class Each>
-void wait_for(DfuPipe& device, State wanted, Each&& each) {
+Report wait_for(DfuPipe& device, State wanted, Each&& each) {
   for (int polls = 0; polls < most_polls; ++polls) {
     const Report report = report_of(device);
     if (report.status != 0 || report.state == State::error) throw_refused(device, report);
-    if (report.state == wanted) return;
+    if (report.state == wanted) return report;
     each(polls);
     device.wait(std::max(report.poll, shortest_wait));
   }
@@ -111,8 +121,8 @@ void throw_update_refused(DfuPipe& device) {
   throw_refused(device, report_of(device));
 }
 
-void dfu_download(DfuPipe& device, std::span<const std::uint8_t> image,
-                  const UpdateProgress& progress) {
+std::string dfu_download(DfuPipe& device, std::span<const std::uint8_t> image,
+                         const UpdateProgress& progress) {
   make_dfu_idle(device);
   const auto tell = [&](UpdatePhase phase, std::size_t done, std::size_t total) {
     if (progress) progress(phase, done, total);
@@ -129,8 +139,17 @@ void dfu_download(DfuPipe& device, std::span<const std::uint8_t> image,
     tell(UpdatePhase::sending, at, image.size());
   }
   send(block, {});
-  wait_for(device, State::idle,
-           [&](int polls) { tell(UpdatePhase::installing, static_cast<std::size_t>(polls), 0); });
+  const Report end = wait_for(device, State::idle, [&](int polls) {
+    tell(UpdatePhase::installing, static_cast<std::size_t>(polls), 0);
+  });
+  return words_of(device, end);
+}
+
+std::string dfu_trouble(DfuPipe& device) {
+  const Report report = report_of(device);
+  const bool no_program = report.state == State::error &&
+                          report.status == static_cast<std::uint8_t>(dfu::Status::no_firmware);
+  return no_program ? reason_of(device, report) : std::string();
 }
 
 std::vector<std::uint8_t> dfu_upload(DfuPipe& device) {

@@ -46,11 +46,15 @@ enum class UpdatePhase : std::uint8_t { sending, installing };
 /// `done` of `total` bytes while sending; polls so far and 0 while installing.
 using UpdateProgress = std::function<void(UpdatePhase phase, std::size_t done, std::size_t total)>;
 
-/// Sends the image and polls until the device has checked and installed it. A download that another
-/// program left unfinished is given up first. Throws UpdateRefused; LinkLost: repeat the update,
-/// the device has either image, whole.
-void dfu_download(DfuPipe& device, std::span<const std::uint8_t> image,
-                  const UpdateProgress& progress = {});
+/// Sends the image and polls until the device has checked and installed it; returns what the device
+/// has to say to that, mostly nothing. A download that another program left unfinished is given up
+/// first. Throws UpdateRefused; LinkLost: repeat the update, the device has either image, whole.
+std::string dfu_download(DfuPipe& device, std::span<const std::uint8_t> image,
+                         const UpdateProgress& progress = {});
+
+/// Why a boot loader that waits has no program to start, in its own words; empty when it was asked
+/// to wait, or works on an update.
+std::string dfu_trouble(DfuPipe& device);
 
 /// The image that runs; empty when the device has none.
 std::vector<std::uint8_t> dfu_upload(DfuPipe& device);

@@ -3,6 +3,8 @@
 #include <array>
 #include <utility>
 
+#include "host/instrument/firmware_image.hpp"
+#include "protocol/boot_note.hpp"
 #include "protocol/codec.hpp"
 
 namespace umov::instrument {
@@ -17,7 +19,7 @@ struct FaultText {
 };
 
 // In the order of protocol::Fault.
-constexpr std::array<FaultText, 14> fault_texts{{
+constexpr std::array<FaultText, 16> fault_texts{{
     {"none", "no fault is latched", "nothing to do"},
     {"interlock", "the interlock opened",
      "close the enclosure and clear the fault: umov device log --clear"},
@@ -52,12 +54,34 @@ constexpr std::array<FaultText, 14> fault_texts{{
      "set, config save)"},
     {"over_temperature", "drivers or lasers are too hot",
      "let them cool and clear the fault (umov device log --clear); look at fans and air"},
+    {"rolled_back", "the controller's image was given up and the one before it put back",
+     "umov device log says why; clear the fault (umov device log --clear) and flash an image that "
+     "works (umov device flash)"},
+    {"no_fallback",
+     "the image before the running one could not be kept: part of the flash memory is worn out",
+     "clear the fault (umov device log --clear) and go on; should the running image ever fail, the "
+     "boot loader waits for another (umov device flash)"},
 }};
-static_assert(fault_texts.size() ==
-              static_cast<std::size_t>(protocol::Fault::over_temperature) + 1);
+static_assert(fault_texts.size() == static_cast<std::size_t>(protocol::Fault::no_fallback) + 1);
 
 std::string axis_or_nothing(std::int32_t detail) {
   return detail >= 0 && detail < protocol::axis_count ? " (" + axis_name(detail) + ")" : "";
+}
+
+std::string roll_back_text(std::int32_t detail) {
+  const std::uint32_t version = protocol::roll_back_version(detail);
+  const std::string image = "image" + (version != 0 ? " " + version_text(version) : std::string());
+  switch (protocol::roll_back_reason(detail)) {
+    case protocol::RollBackReason::damaged:
+      return image + " failed its check at a start";
+    case protocol::RollBackReason::watchdog:
+      return image + " failed its trial: the watchdog had to restart it";
+    case protocol::RollBackReason::crash:
+      return image + " failed its trial: it crashed";
+    case protocol::RollBackReason::button:
+      return image + " failed its trial: it was reset by hand";
+  }
+  return image + ": reason " + std::to_string(detail >> 24);
 }
 
 struct RefusalText {
@@ -128,6 +152,18 @@ std::string fault_meaning(std::uint8_t fault) {
 std::string fault_remedy(std::uint8_t fault) {
   if (fault < fault_texts.size()) return std::string(fault_texts[fault].remedy);
   return "use the program release that fits the firmware";
+}
+
+std::string fault_detail(std::uint8_t fault, std::int32_t detail) {
+  switch (static_cast<protocol::Fault>(fault)) {
+    case protocol::Fault::rolled_back:
+      return roll_back_text(detail);
+    case protocol::Fault::no_fallback:
+      return detail == protocol::only_an_older_one ? "only an older image could be put back"
+                                                   : "nothing could be put back";
+    default:
+      return std::to_string(detail);
+  }
 }
 
 std::string state_name(std::uint8_t state) {

@@ -17,6 +17,9 @@ std::string fault_meaning(std::uint8_t fault);
 /// What the user should do about it.
 std::string fault_remedy(std::uint8_t fault);
 
+/// What a fault's detail says: in words where there are any, else the number.
+std::string fault_detail(std::uint8_t fault, std::int32_t detail);
+
 /// Name of a state, such as "waiting_for_rows".
 std::string state_name(std::uint8_t state);
 /// Name of an axis, 0 … 5, such as "detector".

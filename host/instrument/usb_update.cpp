@@ -137,6 +137,14 @@ std::unique_ptr<DfuPipe> open_boot_loader(const std::string& serial, bool older_
   return std::make_unique<LibusbDfuPipe>(std::move(context), std::move(handle), name);
 }
 
+std::string boot_loader_trouble(const std::string& serial) {
+  try {
+    return dfu_trouble(*open_boot_loader(serial, false));
+  } catch (const Error&) {
+    return {};  // somebody updates it, or it has gone back to its program
+  }
+}
+
 std::unique_ptr<DfuPipe> open_rom_loader(std::chrono::seconds limit) {
   constexpr std::uint16_t st_vendor = 0x0483, rom_loader = 0xDF11;  // AN2606
   const std::string name = "ROM loader 0483:df11";

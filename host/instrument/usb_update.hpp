@@ -25,6 +25,10 @@ std::string restart_in_boot_loader(const std::string& serial);
 /// none, or it may not be opened.
 std::unique_ptr<DfuPipe> open_boot_loader(const std::string& serial, bool older_too);
 
+/// Why the boot loader of that controller has no program to start, in its own words; empty when it
+/// was asked to wait, works on an update, or is gone.
+std::string boot_loader_trouble(const std::string& serial);
+
 /// What list_usb_devices() or list_update_devices() tells, now.
 using UsbListing = std::function<std::vector<UsbDeviceInfo>()>;
 

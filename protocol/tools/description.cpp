@@ -76,11 +76,23 @@ std::string enumeration_section() {
   static constexpr const char* axes[] = {"incidence", "detector", "azimuth",
                                          "polarizer", "analyzer", "filter"};
   static_assert(std::size(axes) == axis_count);
-  static constexpr const char* faults[] = {
-      "none",      "interlock", "emergency_stop",   "limit",           "stall",
-      "link_lost", "watchdog",  "brown_out",        "adc_overrun",     "missed_deadline",
-      "not_homed", "internal",  "settings_corrupt", "over_temperature"};
-  static_assert(std::size(faults) == static_cast<std::size_t>(Fault::over_temperature) + 1);
+  static constexpr const char* faults[] = {"none",
+                                           "interlock",
+                                           "emergency_stop",
+                                           "limit",
+                                           "stall",
+                                           "link_lost",
+                                           "watchdog",
+                                           "brown_out",
+                                           "adc_overrun",
+                                           "missed_deadline",
+                                           "not_homed",
+                                           "internal",
+                                           "settings_corrupt",
+                                           "over_temperature",
+                                           "rolled_back",
+                                           "no_fallback"};
+  static_assert(std::size(faults) == static_cast<std::size_t>(Fault::no_fallback) + 1);
   static constexpr const char* states[] = {
       "idle",   "homing",           "moving",           "scanning",
       "paused", "waiting_for_rows", "waiting_for_host", "safe"};

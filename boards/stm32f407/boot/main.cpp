@@ -2,7 +2,7 @@
 #include <new>
 
 #include "boards/stm32f407/board_description.hpp"
-#include "boards/stm32f407/boot/boot_flash.hpp"
+#include "boards/stm32f407/boot_flash.hpp"
 #include "boards/stm32f407/boot_request.hpp"
 #include "boards/stm32f407/chip_serial.hpp"
 #include "boards/stm32f407/clock.hpp"
@@ -10,6 +10,7 @@
 #include "boards/stm32f407/registers/timer.hpp"
 #include "boards/stm32f407/step_outputs.hpp"
 #include "boards/stm32f407/usb_port.hpp"
+#include "boards/stm32f407/watchdog.hpp"
 #include "firmware/boot/boot_device.hpp"
 #include "firmware/boot/signing_key.hpp"
 #include "firmware/boot/start.hpp"
@@ -22,6 +23,10 @@ std::uint32_t step_clock() {
 }
 
 namespace {
+
+using firmware::boot::Reason;
+using firmware::boot::Restart;
+using firmware::boot::Start;
 
 BootFlash flash;
 UsbPort usb_port;
@@ -38,10 +43,37 @@ void start_clock_of_usb() {
   tim5().CR1 = URS | CEN;
 }
 
+/// Every reset pulls the reset line, too: it was the cause where nothing else was.
+Restart why_restarted(BootRequest request) {
+  using namespace rcc_bits;
+  const std::uint32_t flags = rcc().CSR;
+  if (request != BootRequest::none) return Restart::asked;
+  if ((flags & (PORRSTF | BORRSTF)) != 0) return Restart::power;
+  if ((flags & IWDGRSTF) != 0) return Restart::watchdog;
+  if ((flags & SFTRSTF) != 0) return Restart::crash;
+  return Restart::button;
+}
+
+Reason why_here(Start start) {
+  switch (start) {
+    case Start::no_image:
+      return Reason::empty;
+    case Start::failed_trial:
+      return Reason::failed_trial;
+    case Start::flash_fails:
+      return Reason::worn_out;
+    case Start::program:
+      break;
+  }
+  return Reason::none;
+}
+
 /// The program finds the chip as after a reset, but for its memory: on the internal oscillator,
-/// with the blocks it is going to switch on still off.
+/// with the blocks it is going to switch on still off. Only the watchdog runs, for a program that
+/// hangs before it has started its own.
 [[noreturn]] void start_program() {
   stop_clocks();
+  watch_start();
   const auto* vectors = reinterpret_cast<const volatile std::uint32_t*>(
       image_area.address + protocol::ImageHeader::bytes);
   const std::uint32_t stack_top = vectors[0], entry = vectors[1];
@@ -49,11 +81,11 @@ void start_clock_of_usb() {
   __builtin_unreachable();
 }
 
-[[noreturn]] void take_updates() {
+[[noreturn]] void take_updates(Reason why) {
   start_clock_of_usb();
   usb_port.set_up();
   auto* device = new (device_place) firmware::boot::BootDevice(
-      usb_port, flash, trust, chip_serial(), firmware::boot::development_key);
+      usb_port, flash, trust, chip_serial(), firmware::boot::development_key, why);
   device->start();
   // The USB interrupt is never taken: pending, it ends the sleep.
   asm volatile("cpsid i" : : : "memory");
@@ -74,13 +106,17 @@ void start_clock_of_usb() {
 int main() {
   using namespace umov::boards::stm32f407;
   const BootRequest request = take_boot_request();
-  // A reset that the boot loader and the program agreed upon is no news to the program.
-  if (request != BootRequest::none) set_bits(rcc().CSR, rcc_bits::RMVF);
+  const Restart why = why_restarted(request);
   start_clocks();
+  // A reset that boot loader and program agreed upon is no news to the program.
+  if (why == Restart::asked) set_bits(rcc().CSR, rcc_bits::RMVF);
   if (request == BootRequest::update) {
     umov::firmware::boot::end_update(flash, trust);
-  } else if (umov::firmware::boot::make_runnable(flash, trust)) {
-    start_program();
+    take_updates(Reason::none);
   }
-  take_updates();
+  const auto decision = umov::firmware::boot::make_runnable(flash, trust, why);
+  if (decision.start != Start::program) take_updates(why_here(decision.start));
+  // Nor is one that another image is to blame for.
+  if (decision.rolled_back) set_bits(rcc().CSR, rcc_bits::RMVF);
+  start_program();
 }

@@ -28,6 +28,7 @@ HANDLERS = [
 ]
 PORT = r"UsbPort::(connect|disconnect|set_address|open_endpoint|close_endpoint|send|receive|stall|clear_stall)\("
 APPLICATION = r"UsbApplication::"
+BOOT_FLASH = r"stm32f407::BootFlash::"
 SERIAL = r"stm32f407::UartLink::(room|write)\("
 # Who calls through a pointer or a virtual function, and what: the interfaces of firmware/core and what
 # this board makes of them. The first that fits the caller counts.
@@ -39,6 +40,7 @@ POINTERS = [
     (r"usb::ControlPipe::", f"{PORT}|non-virtual thunk to .*usb::Device::on_(request|data|complete)"),
     (r"stm32f407::UsbPort::", r"^umov::firmware::usb::Device::on_(reset|suspend|resume|setup|sent|received)\("),
     (r"firmware::SettingsPages::", r"stm32f407::SettingsFlash::"),
+    (r"firmware::boot::", BOOT_FLASH),
     (r"^umov::firmware::|^(void|bool) umov::firmware::",
      r"stm32f407::(Stm32Board|FlashLog)::|firmware::SettingsPages::(load|save)"),
     (r"^main$", PORT),
@@ -51,11 +53,10 @@ FLOATING_POINT = re.compile(r"__aeabi_([fd]|c[fd]|u?[il]2[fd])")
 
 
 # The same of the boot loader, which uses no interrupts.
-BOOT_FLASH = r"stm32f407::BootFlash::"
 BOOT_POINTERS = [
     (r"usb::ControlPipe::", f"{PORT}|non-virtual thunk to .*boot::BootDevice::on_(request|data|complete)"),
     (r"boot::BootDevice::", PORT),
-    (r"boot::(DfuTarget|Installer)::|boot::make_runnable", BOOT_FLASH),
+    (r"firmware::boot::", BOOT_FLASH),
     (r"stm32f407::UsbPort::", r"^umov::firmware::boot::BootDevice::on_(reset|suspend|resume|setup|sent|received)\("),
     (r"^main$", f"{PORT}|{BOOT_FLASH}"),
     (r"^reset_handler$", r"_GLOBAL__sub_I|static_initialization"),

@@ -1,4 +1,4 @@
-// A flash in memory whose power can be cut, images for it, and keys.
+// A flash in memory whose power can be cut and which can be worn out, images for it, and keys.
 #pragma once
 
 #include <sodium.h>
@@ -63,7 +63,8 @@ inline Bytes make_image(std::uint32_t version, std::uint32_t program_bytes, cons
 struct PowerCut {};
 
 /// Programming clears bits, erasing sets them. The power is cut when `bytes_left` have been
-/// written; an erasure counts as `erase_cost` bytes and may be cut half-way.
+/// written; an erasure counts as `erase_cost` bytes and may be cut half-way, when one half of the
+/// place has been erased. Places can be worn out.
 class RamFlash final : public boot::Flash {
  public:
   explicit RamFlash(std::size_t size) {
@@ -75,14 +76,18 @@ class RamFlash final : public boot::Flash {
   }
   bool erase(boot::Place place) override {
     Bytes& bytes = at(place);
+    ++erasures;
+    const Wear& worn = wear[static_cast<std::size_t>(place)];
+    if (worn.refuses_erasure) return false;
     if (bytes_left && *bytes_left < erase_cost) {
-      std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(bytes.size() / 2), bytes.end(),
-                std::uint8_t{0xFF});
+      const auto half = static_cast<std::ptrdiff_t>(bytes.size() / 2);
+      std::fill_n(bytes.begin() + (cut_erases_front ? 0 : half), half, std::uint8_t{0xFF});
       throw PowerCut{};
     }
     if (bytes_left) *bytes_left -= erase_cost;
     written += erase_cost;
     std::fill(bytes.begin(), bytes.end(), std::uint8_t{0xFF});
+    if (worn.stuck_byte) bytes.at(*worn.stuck_byte) = 0;
     return true;
   }
   bool program(boot::Place place, std::uint32_t offset,
@@ -110,11 +115,21 @@ class RamFlash final : public boot::Flash {
     return std::equal(image.begin(), image.end(), all.begin());
   }
 
+  /// What flash does that has been erased too often.
+  struct Wear {
+    bool refuses_erasure = false;             ///< reports an error
+    std::optional<std::size_t> stuck_byte{};  ///< reads 0 also when it has been erased
+  };
+  Wear& wear_of(boot::Place place) { return wear[static_cast<std::size_t>(place)]; }
+
   static constexpr std::size_t erase_cost = 256;
   std::array<Bytes, 3> places;
   std::optional<std::size_t> bytes_left;
   std::optional<std::size_t> fails_at;
   std::size_t written = 0;
+  int erasures = 0;
+  bool cut_erases_front = false;
+  std::array<Wear, 3> wear{};
 };
 
 }  // namespace umov::test

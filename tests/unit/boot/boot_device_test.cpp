@@ -23,10 +23,11 @@ TEST_F(BootDeviceOnUsb, HasEveryStringThatItsDescriptorsAndStatusesName) {
   EXPECT_EQ(bench_.text(3), "T1");
   EXPECT_EQ(bench_.text(4), "Umov image");
   EXPECT_EQ(bench_.text(11), "the flash memory fails");
-  for (std::uint8_t index = 1; index <= 11; ++index) EXPECT_NE(bench_.text(index), "");
+  EXPECT_EQ(bench_.text(15), "the flash memory fails where the image belongs");
+  for (std::uint8_t index = 1; index <= 15; ++index) EXPECT_NE(bench_.text(index), "");
   EXPECT_EQ(bench_.control(0x80, 6, 0x0300, 4, {}).bytes, (test::Bytes{4, 3, 9, 4}));
   for (const std::uint16_t value :
-       {std::uint16_t{0x030C}, std::uint16_t{0x030D}, std::uint16_t{0x03FF}}) {
+       {std::uint16_t{0x0310}, std::uint16_t{0x0311}, std::uint16_t{0x03FF}}) {
     EXPECT_EQ(bench_.control(0x80, 6, value, 255, {}).status, usbip::urb_status::stalled);
   }
 }

@@ -16,8 +16,8 @@ namespace umov::test {
 /// One session of DFU mode. The device works while the host waits, one piece in 5 ms.
 class DfuBench final : public instrument::DfuPipe {
  public:
-  DfuBench(RamFlash& flash, const boot::Trust& trust)
-      : device(port, flash, trust, {'T', '1'}, true) {
+  DfuBench(RamFlash& flash, const boot::Trust& trust, boot::Reason why = boot::Reason::none)
+      : device(port, flash, trust, {'T', '1'}, true, why) {
     port.bind(device);
     device.start();
     port.bus_reset();

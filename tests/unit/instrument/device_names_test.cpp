@@ -69,7 +69,7 @@ TEST(DeviceNames, ABadAddressSaysWhatIsWrongWithIt) {
 }
 
 TEST(Refusals, EveryFaultHasAMeaningAndARemedyOfItsOwn) {
-  for (int fault = 1; fault <= static_cast<int>(protocol::Fault::over_temperature); ++fault) {
+  for (int fault = 1; fault <= static_cast<int>(protocol::Fault::no_fallback); ++fault) {
     const auto code = static_cast<std::uint8_t>(fault);
     EXPECT_THAT(fault_remedy(code), ::testing::Not(::testing::IsEmpty()));
     for (int other = 0; other < fault; ++other) {
