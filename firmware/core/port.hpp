@@ -107,7 +107,8 @@ class SettingsStore {
   enum class Loaded : std::uint8_t { good, none, damaged, other_layout };
   /// Fills `settings` when the answer is good.
   virtual Loaded load(std::uint16_t layout, std::span<std::uint8_t> settings) const = 0;
-  /// Returns when they are safe; false: those saved before stay.
+  /// Returns when they are safe; false: those saved before stay. May take half a second, in which
+  /// the processor stands still.
   virtual bool save(std::uint16_t layout, std::span<const std::uint8_t> settings) = 0;
 
  protected:

@@ -10,7 +10,7 @@ constexpr std::uint32_t acr = 0x00, keyr = 0x04, sr = 0x0C, cr = 0x10, optcr = 0
 constexpr std::uint32_t lock = 1u << 31, start = 1u << 16, programming = 1, sector_erase = 2,
                         mass_erase = 4;
 constexpr std::uint32_t parallelism_error = 1u << 6, sequence_error = 1u << 7,
-                        alignment_error = 1u << 5;
+                        alignment_error = 1u << 5, protection_error = 1u << 4;
 constexpr std::uint32_t all_errors = 0xF3;
 constexpr Time word_time = 16 * time_per_us;
 
@@ -39,7 +39,7 @@ std::uint32_t Flash::read(std::uint32_t offset) {
     case cr:
       return cr_;
     case optcr:
-      return 0x0FFF'AAED;
+      return 0x0FFF'AAED & ~(protected_ << 16);
     default:
       refuse_register("the flash interface", offset);
   }
@@ -77,12 +77,19 @@ void Flash::write(std::uint32_t offset, std::uint32_t value) {
   }
 }
 
+bool Flash::refused(int number) {
+  const bool refused = (protected_ >> number & 1u) != 0;
+  if (refused) sr_ |= protection_error;
+  return refused;
+}
+
 void Flash::erase() {
   const auto number = static_cast<int>(cr_ >> 3 & 15u);
   if ((cr_ & sector_erase) == 0 || number >= sector_count || (cr_ & programming) != 0) {
     sr_ |= sequence_error;
     return;
   }
+  if (refused(number)) return;
   const Sector s = sector(number);
   std::fill_n(contents_->begin() + (s.begin - base), s.size, std::uint8_t{0xFF});
   constexpr Time ms = 1000 * time_per_us;
@@ -102,6 +109,9 @@ void Flash::store(std::uint32_t address, unsigned bytes, std::uint32_t value) {
     sr_ |= alignment_error;
     return;
   }
+  int number = 0;
+  while (address - sector(number).begin >= sector(number).size) ++number;
+  if (refused(number)) return;
   for (unsigned i = 0; i < bytes; ++i) {
     auto& cell = (*contents_)[address - base + i];
     cell = static_cast<std::uint8_t>(cell & (value >> 8 * i));

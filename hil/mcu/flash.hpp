@@ -25,6 +25,9 @@ class Flash : public Peripheral {
   /// The program stores to the flash itself: programs when that has been opened, else sets an error
   /// flag and leaves the contents.
   void store(std::uint32_t address, unsigned bytes, std::uint32_t value);
+  /// Sectors (bit n: sector n) that are protected by the option bytes: whoever erases or programs
+  /// them gets an error flag, and they stay as they are.
+  void protect(std::uint32_t sectors) { protected_ = sectors; }
 
   struct Sector {
     std::uint32_t begin, size;
@@ -33,10 +36,11 @@ class Flash : public Peripheral {
 
  private:
   void erase();
+  bool refused(int sector);
 
   std::vector<std::uint8_t>* contents_;
   std::function<void(Time)> stall_;
-  std::uint32_t acr_ = 0, sr_ = 0, cr_ = 0x8000'0000;
+  std::uint32_t acr_ = 0, sr_ = 0, cr_ = 0x8000'0000, protected_ = 0;
   int key_ = 0;  // keys given so far; -1 after a wrong one, until the next reset
 };
 

@@ -33,6 +33,11 @@ void Stm32f407::flash(std::span<const Segment> image) {
   }
 }
 
+void Stm32f407::protect_flash(std::uint32_t sectors) {
+  protected_sectors_ = sectors;
+  if (core_) core_->flash.protect(sectors);
+}
+
 void Stm32f407::reset(ResetSource source) {
   stands_until_ = 0;
   const Time at = core_ ? core_->cpu.now() : 0;
@@ -53,6 +58,7 @@ void Stm32f407::reset(ResetSource source) {
     std::fill(ccm_.begin(), ccm_.end(), std::uint8_t{0xA5});
   }
   core_ = std::make_unique<Core>(*this, at);
+  core_->flash.protect(protected_sectors_);
   core_->cpu.reset(Flash::base);
   in_rom_ = boot0_;
   for (const std::uint32_t address : breakpoints_) core_->cpu.add_breakpoint(address);

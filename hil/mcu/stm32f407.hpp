@@ -46,6 +46,9 @@ class Stm32f407 {
   void flash(std::span<const Segment> image);
   /// Contents of the flash, 1 MB; kept over resets.
   std::vector<std::uint8_t>& flash_contents() { return flash_; }
+  /// Sectors of the flash (bit n: sector n) that take no erasing and programming any more, but an
+  /// error flag: write protection, as a stand-in for wear. Kept over resets.
+  void protect_flash(std::uint32_t sectors);
   /// The chip starts; needs vectors at the beginning of the flash.
   void reset(ResetSource source);
 
@@ -114,6 +117,7 @@ class Stm32f407 {
   std::vector<std::uint8_t> flash_, sram_, ccm_, system_;
   std::array<std::array<std::optional<bool>, 16>, 5> driven_{};
   std::uint32_t reset_flags_ = 0;
+  std::uint32_t protected_sectors_ = 0;
   unsigned watchdog_resets_ = 0, software_resets_ = 0;
   bool paused_ = false;
   std::uint32_t supply_mv_ = 3300;

@@ -124,9 +124,8 @@ RefusalText refusal_text(const protocol::ErrorReply& reply) {
     case Refusal::stale_program:
       return {"it has another program in memory", "resume the scan, which starts it anew"};
     case Refusal::not_stored:
-      return {
-          "it could not store that",
-          "check its supply voltage; restart the controller, which tidies its memory, and repeat"};
+      return {"it could not store that",
+              "check its supply voltage and repeat; if it stays so, its flash memory is worn out"};
   }
   return {"reason " + std::to_string(reply.code) + ", unknown to this program",
           "use the program release that fits the firmware"};

@@ -84,17 +84,22 @@ SettingsStore::Loaded SettingsPages::load(std::uint16_t layout,
   return Loaded::good;
 }
 
-bool SettingsPages::choose_place(Place& next) const {
+bool SettingsPages::choose_place(Place& next) {
   const int page = newest_.page >= 0 ? newest_.page : used_[0] < slots() ? 0 : 1;
   const int other = 1 - page;
   const std::uint32_t used = used_[static_cast<std::size_t>(page)];
-  const std::uint32_t elsewhere = used_[static_cast<std::size_t>(other)];
-  // The last slot is left free as long as the other page is not blank: see begin().
-  if (used < slots() - (elsewhere > 0 ? 1u : 0u)) {
+  std::uint32_t& elsewhere = used_[static_cast<std::size_t>(other)];
+  // The last slot is taken when the other page is blank only: see begin(). A power cut during the
+  // erasure leaves a page with a free slot beside one that is not blank, which is then erased.
+  if (used + 1 == slots() && elsewhere > 0) {
+    if (!flash_->erase(other)) return false;
+    elsewhere = 0;
+  }
+  if (used < slots()) {
     next = {page, used};
     return true;
   }
-  if (elsewhere > 0 && (used < slots() || elsewhere >= slots())) return false;
+  if (elsewhere >= slots()) return false;
   next = {other, elsewhere};
   return true;
 }

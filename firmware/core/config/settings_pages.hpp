@@ -37,7 +37,8 @@ class FlashPages {
 ///
 /// The newest complete slot counts. One without its last word was cut short and is passed over; one
 /// that has it and fails its CRC has been damaged afterwards. When a page is full the next slot is
-/// the first of the other page; the full page is erased at the next start.
+/// the first of the other page. The full page is erased at the next start, or by the saving that
+/// finds one slot left in the page in use: then nothing but older settings stand there.
 /// Contexts: main loop.
 class SettingsPages final : public SettingsStore {
  public:
@@ -47,7 +48,8 @@ class SettingsPages final : public SettingsStore {
   void begin();
 
   Loaded load(std::uint16_t layout, std::span<std::uint8_t> settings) const override;
-  /// False when there is no room before the next start, or the flash fails.
+  /// False when the flash fails. One saving in 64 erases a page, in which the processor may stand
+  /// still for half a second: nothing may move then.
   bool save(std::uint16_t layout, std::span<const std::uint8_t> settings) override;
 
   static constexpr std::uint32_t slot_words = 64;
@@ -73,7 +75,7 @@ class SettingsPages final : public SettingsStore {
   }
   Slot kind_of(Place at) const;
   Page look_at(int page) const;
-  bool choose_place(Place& next) const;
+  bool choose_place(Place& next);
 
   FlashPages* flash_;
   Place newest_{};

@@ -39,11 +39,13 @@ class FakePages final : public fw::FlashPages {
     return true;
   }
   bool erase(int page) override {
+    if (worn_out) return false;
     ++erasures;
     auto& words = at(page);
     if (cut_after && (*cut_after)-- == 0) {
-      std::fill(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(words.size() / 3),
-                0xFFFF'FFFFu);
+      // About a third, and not by whole slots.
+      const auto part = static_cast<std::ptrdiff_t>(words.size() / 3);
+      std::fill_n(cut_erases_front ? words.begin() : words.end() - part, part, 0xFFFF'FFFFu);
       throw PowerCut{};
     }
     std::fill(words.begin(), words.end(), 0xFFFF'FFFFu);
@@ -57,6 +59,8 @@ class FakePages final : public fw::FlashPages {
   std::array<std::vector<std::uint32_t>, 2> contents;
   std::optional<int> cut_after;
   int erasures = 0;
+  bool cut_erases_front = true;
+  bool worn_out = false;  ///< cannot be erased
 };
 
 constexpr std::uint16_t layout = 7;
@@ -98,37 +102,67 @@ TEST(SettingsPages, KeepTheLastOfManySavingsOverRestartsAndEraseOnlyAtStarts) {
   }
 }
 
-TEST(SettingsPages, RefuseToSaveRatherThanEraseWhileRunningAndHaveRoomAfterTheNextStart) {
+TEST(SettingsPages, AreSavedWithoutEndWhileRunningByErasingAPageThatHoldsOlderOnesOnly) {
   FakePages flash(4 * fw::SettingsPages::slot_words);
   fw::SettingsPages pages(flash);
   pages.begin();
+  for (int saved = 1; saved <= 100; ++saved) {
+    ASSERT_TRUE(pages.save(layout, value_of(saved)));
+    FakePages now = flash;
+    ASSERT_EQ(number_found(now), saved) << "a start at this moment";
+  }
+  EXPECT_EQ(flash.erasures, 100 / 4 - 1) << "no page more often than it is filled";
+}
+
+TEST(SettingsPages, AreRefusedWhileRunningWhereThePageCannotBeErasedAndTheOldOnesStay) {
+  FakePages flash(4 * fw::SettingsPages::slot_words);
+  fw::SettingsPages pages(flash);
+  pages.begin();
+  flash.worn_out = true;
   int saved = 0;
   while (pages.save(layout, value_of(saved + 1))) ++saved;
   EXPECT_EQ(saved, 4 + 3) << "the last slot stays free as long as the other page is not blank";
   EXPECT_EQ(number_found(flash), saved);
-  fw::SettingsPages again(flash);
-  again.begin();
-  EXPECT_TRUE(again.save(layout, value_of(99)));
+  flash.worn_out = false;
+  EXPECT_TRUE(pages.save(layout, value_of(99)));
   EXPECT_EQ(number_found(flash), 99);
 }
 
-TEST(SettingsPages, APowerCutAtAnyWordOrErasureLeavesTheOldOrTheNew) {
-  int olds = 0, news = 0;
-  for (int before = 0; before < 9; ++before) {
+/// How the flash came to hold what it holds when the power is cut.
+struct Past {
+  const char* description;
+  bool restarts;          ///< after each saving
+  bool cut_erases_front;  ///< what an erasure has done when it is cut
+};
+
+class SettingsCutShort : public testing::TestWithParam<Past> {};
+
+TEST_P(SettingsCutShort, AtAnyWordOrErasureAreTheOldOrTheNew) {
+  int olds = 0, news = 0, erasures_cut = 0;
+  for (int before = 0; before < 13; ++before) {
     for (int cut = 0; cut < 2 + 64; ++cut) {
       FakePages flash(4 * fw::SettingsPages::slot_words);
+      flash.cut_erases_front = GetParam().cut_erases_front;
+      auto pages = std::make_unique<fw::SettingsPages>(flash);
+      const auto restart = [&] {
+        pages = std::make_unique<fw::SettingsPages>(flash);
+        pages->begin();
+      };
+      restart();
       for (int i = 1; i <= before; ++i) {
-        fw::SettingsPages pages(flash);
-        pages.begin();
-        ASSERT_TRUE(pages.save(layout, value_of(i)));
+        ASSERT_TRUE(pages->save(layout, value_of(i)));
+        if (GetParam().restarts && i < before) restart();
       }
       flash.cut_after = cut;
+      const int erasures = flash.erasures;
+      bool was_cut = false;
       try {
-        fw::SettingsPages pages(flash);
-        pages.begin();
-        pages.save(layout, value_of(before + 1));
+        if (GetParam().restarts) restart();
+        pages->save(layout, value_of(before + 1));
       } catch (const PowerCut&) {
+        was_cut = true;
       }
+      if (was_cut && cut == 0 && flash.erasures > erasures) ++erasures_cut;
       flash.cut_after.reset();
       const int found = number_found(flash);
       if (found == before + 1) {
@@ -137,15 +171,22 @@ TEST(SettingsPages, APowerCutAtAnyWordOrErasureLeavesTheOldOrTheNew) {
         ASSERT_EQ(found, before == 0 ? -1 : before) << "cut at " << cut;
         ++olds;
       }
-      fw::SettingsPages pages(flash);
-      pages.begin();
-      ASSERT_TRUE(pages.save(layout, value_of(200)));
+      restart();
+      ASSERT_TRUE(pages->save(layout, value_of(200)));
       ASSERT_EQ(number_found(flash), 200) << "it goes on after that";
     }
   }
-  EXPECT_GT(olds, 400);
-  EXPECT_GT(news, 5);
+  EXPECT_GT(olds, 700);
+  EXPECT_GT(news, 12);
+  EXPECT_GE(erasures_cut, 2);
 }
+
+INSTANTIATE_TEST_SUITE_P(Settings, SettingsCutShort,
+                         testing::Values(Past{"AfterRestartsFrontErased", true, true},
+                                         Past{"AfterRestartsBackErased", true, false},
+                                         Past{"WhileRunningFrontErased", false, true},
+                                         Past{"WhileRunningBackErased", false, false}),
+                         [](const auto& one) { return std::string(one.param.description); });
 
 TEST(SettingsPages, DamageToTheLastSavedIsFoundAndTheNextSavingEndsIt) {
   for (int saved = 1; saved <= 5; ++saved) {

@@ -90,6 +90,26 @@ TEST_F(FlashTest, ErasesOneSectorAndNoByteMore) {
   EXPECT_EQ(stalled, 550'000 * time_per_us);
 }
 
+TEST_F(FlashTest, AProtectedSectorStaysAsItIsAndSaysSo) {
+  std::fill(contents.begin(), contents.end(), std::uint8_t{0x77});
+  flash.protect(1u << 4);
+  open();
+  flash.write(cr, word_wide | program);
+  flash.store(place, 4, 0);
+  EXPECT_EQ(word(place), 0x7777'7777u);
+  EXPECT_EQ(flash.read(sr), 1u << 4);
+  flash.write(sr, 0xFF);
+  flash.store(place - 4, 4, 0);
+  EXPECT_EQ(word(place - 4), 0u) << "the sector before";
+  EXPECT_EQ(flash.read(sr), 0u);
+  flash.write(cr, word_wide | erase | 4u << 3 | start);
+  EXPECT_EQ(word(place), 0x7777'7777u);
+  EXPECT_EQ(flash.read(sr), 1u << 4);
+  flash.protect(0);
+  flash.write(cr, word_wide | erase | 4u << 3 | start);
+  EXPECT_EQ(word(place), 0xFFFF'FFFFu);
+}
+
 TEST_F(FlashTest, SettingsWhileLockedAreRefused) {
   EXPECT_THROW(flash.write(cr, program), Error);
 }

@@ -3,110 +3,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
-
-#include "hil/mcu/board/mcu_board.hpp"
-#include "host/instrument/dfu_client.hpp"
-#include "host/instrument/firmware_image.hpp"
-#include "protocol/dfu.hpp"
-#include "tests/unit/mcu_board/noisy_stages.hpp"
-#include "tests/unit/mcu_board/scan_run.hpp"
-#include "tests/unit/mcu_board/usb_cable.hpp"
+#include "tests/unit/mcu_board/update_rig.hpp"
 
 namespace umov {
 namespace {
 
-using instrument::FirmwareImage;
 using instrument::UpdateRefused;
 using test::Bytes;
 namespace dfu = protocol::dfu;
 
-constexpr std::uint32_t running = 0x2'0000, staged = 0x4'0000, previous = 0x6'0000;
-const instrument::KeySeed development_key =
-    instrument::read_key(UMOV_SOURCE_DIR "/firmware/boot/development.key");
+using test::previous;
+using test::running;
+using test::staged;
 
-/// The DFU interface of whatever the chip runs.
-class DfuOfTheBoard final : public instrument::DfuPipe {
- public:
-  DfuOfTheBoard(mcu::McuBoard& board, test::UsbCable& cable, std::uint16_t interface)
-      : board_(&board), cable_(&cable), interface_(interface) {}
-  Answer read(std::uint8_t request, std::uint16_t value, std::size_t length) override {
-    const auto got =
-        cable_->control(0xA1, request, value, interface_, static_cast<std::uint16_t>(length));
-    return {got.ok(), got.bytes};
-  }
-  bool write(std::uint8_t request, std::uint16_t value,
-             std::span<const std::uint8_t> bytes) override {
-    return cable_
-        ->control(0x21, request, value, interface_, static_cast<std::uint16_t>(bytes.size()),
-                  {bytes.begin(), bytes.end()})
-        .ok();
-  }
-  void wait(std::chrono::milliseconds duration) override {
-    board_->run_for(1000 * static_cast<std::uint64_t>(duration.count()));
-  }
-  std::string text(std::uint8_t index) override {
-    const auto got =
-        cable_->control(0x80, 6, static_cast<std::uint16_t>(0x0300 | index), 0x409, 255);
-    std::string ascii;
-    for (std::size_t i = 2; i < got.bytes.size(); i += 2)
-      ascii.push_back(static_cast<char>(got.bytes[i]));
-    return ascii;
-  }
-  std::string name() const override { return "emulated board"; }
-
- private:
-  mcu::McuBoard* board_;
-  test::UsbCable* cable_;
-  std::uint16_t interface_;
-};
-
-class UpdateOfTheBoard : public testing::Test {
- protected:
-  static std::string image_file() {
-    return std::filesystem::path(UMOV_STM32F407_ELF).replace_extension(".bin");
-  }
-  /// What the build made, as another version.
-  static FirmwareImage image_of(std::uint32_t version) {
-    FirmwareImage image = instrument::read_firmware_image(image_file());
-    image.header.version = version;
-    instrument::sign_image(image, development_key);
-    return image;
-  }
-  std::uint16_t product() {
-    const auto device = cable_.control(0x80, 6, 0x0100, 0, 18).bytes;
-    return device.size() < 18 ? std::uint16_t{0}
-                              : static_cast<std::uint16_t>(device[10] | device[11] << 8);
-  }
-  /// Waits for whatever comes up, and configures it; its product id.
-  std::uint16_t plug_in(mcu::McuBoard& board) {
-    for (int i = 0; i < 500 && !board.usb_connected(); ++i) board.run_for(10'000);
-    board.run_for(5'000);
-    EXPECT_TRUE(cable_.plug_in());
-    return product();
-  }
-  void put(std::uint32_t offset, const Bytes& image) {
-    std::copy(image.begin(), image.end(),
-              board_.chip().flash_contents().begin() + static_cast<std::ptrdiff_t>(offset));
-  }
-  bool holds(std::uint32_t offset, const Bytes& image) {
-    return std::equal(image.begin(), image.end(),
-                      board_.chip().flash_contents().begin() + static_cast<std::ptrdiff_t>(offset));
-  }
-  /// From the program to the boot loader.
-  void detach() {
-    ASSERT_EQ(plug_in(board_), protocol::usb::product_id);
-    ASSERT_TRUE(cable_.control(0x21, dfu::detach, 1000, 3, 0).ok());
-    board_.run_for(5'000);
-    ASSERT_EQ(plug_in(board_), protocol::usb::update_product_id);
-  }
-
-  test::NoisyBench bench_;
-  mcu::McuBoard board_{bench_,
-                       {.image = UMOV_STM32F407_ELF, .boot_loader = UMOV_STM32F407_BOOT_ELF}};
-  test::UsbCable cable_{board_};
-  DfuOfTheBoard dfu_{board_, cable_, 0};
-};
+class UpdateOfTheBoard : public test::BoardWithBootLoader {};
 
 TEST_F(UpdateOfTheBoard, TheBootLoaderChecksTheSignatureAndStartsTheProgramInATenthOfASecond) {
   mcu::McuBoard alone(bench_, {.image = UMOV_STM32F407_ELF});
@@ -121,10 +31,10 @@ TEST_F(UpdateOfTheBoard, TheBootLoaderChecksTheSignatureAndStartsTheProgramInATe
   EXPECT_EQ(session.request(protocol::GetStatus{}).fault, 0);
   const auto image = instrument::read_firmware_image(image_file());
   EXPECT_EQ(session.device().firmware_hash, image.header.source_hash);
-  EXPECT_TRUE(instrument::signed_by(image, instrument::public_key(development_key)));
+  EXPECT_TRUE(instrument::signed_by(image, instrument::public_key(test::development_key())));
   EXPECT_TRUE(holds(running, image.bytes)) << "the ELF file is signed like the .bin file";
   auto again = image;
-  instrument::sign_image(again, development_key);
+  instrument::sign_image(again, test::development_key());
   EXPECT_EQ(again.bytes, image.bytes) << "libsodium and the build sign alike";
   const auto suffixed = instrument::read_firmware_image(
       std::filesystem::path(image_file()).replace_extension(".dfu"));
@@ -158,7 +68,7 @@ TEST_F(UpdateOfTheBoard, WhatIsRefusedLeavesTheProgramAsItWas) {
   auto older = image_of(old.header.version - 1);
   auto other_board = image_of(old.header.version + 1);
   other_board.header.board[0] = 'X';
-  instrument::sign_image(other_board, development_key);
+  instrument::sign_image(other_board, test::development_key());
   for (const auto& [image, says] :
        {std::pair{foreign, "not signed"}, {older, "older"}, {other_board, "another board"}}) {
     try {
@@ -190,7 +100,7 @@ TEST_F(UpdateOfTheBoard, TheProgramIsNotLeftWhileItMovesOrMeasures) {
 TEST_F(UpdateOfTheBoard, ABoardWithoutAProgramWaitsForOne) {
   mcu::McuBoard bare(bench_, {.image = {}, .boot_loader = UMOV_STM32F407_BOOT_ELF});
   test::UsbCable cable(bare);
-  DfuOfTheBoard pipe(bare, cable, 0);
+  test::DfuOfTheBoard pipe(bare, cable, 0);
   for (int i = 0; i < 100 && !bare.usb_connected(); ++i) bare.run_for(10'000);
   ASSERT_TRUE(cable.plug_in());
   EXPECT_TRUE(instrument::dfu_upload(pipe).empty());
@@ -224,7 +134,7 @@ TEST_F(UpdateOfTheBoard, APowerCutDuringAnUpdateLeavesAProgramThatStarts) {
     /// A cable on which time ends.
     class Ending final : public instrument::DfuPipe {
      public:
-      Ending(DfuOfTheBoard& pipe, mcu::McuBoard& board, std::uint64_t limit)
+      Ending(test::DfuOfTheBoard& pipe, mcu::McuBoard& board, std::uint64_t limit)
           : pipe_(&pipe), board_(&board), limit_us_(limit) {}
       Answer read(std::uint8_t r, std::uint16_t v, std::size_t n) override {
         return pipe_->read(r, v, n);
@@ -242,7 +152,7 @@ TEST_F(UpdateOfTheBoard, APowerCutDuringAnUpdateLeavesAProgramThatStarts) {
       std::string name() const override { return pipe_->name(); }
 
      private:
-      DfuOfTheBoard* pipe_;
+      test::DfuOfTheBoard* pipe_;
       mcu::McuBoard* board_;
       std::uint64_t limit_us_;
     } ending(dfu_, board_, limit_us);
