@@ -23,6 +23,7 @@ class RamSettings final : public firmware::SettingsStore {
     saved_.assign(settings.begin(), settings.end());
     return true;
   }
+  bool next_save_is_slow() const override { return false; }
 
   /// Stores nothing more, as flash without room.
   bool refuses = false;

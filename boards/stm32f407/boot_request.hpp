@@ -1,6 +1,6 @@
-// What program and boot loader tell each other over a reset: two words at the end of the memory,
-// which neither uses and a reset leaves alone; and the mark by which a program knows that there is
-// a boot loader.
+// What program and boot loader tell each other over a reset, and the boot loader the program it
+// starts: four words at the end of the memory, which neither uses and a reset leaves alone; and the
+// mark by which a program knows that there is a boot loader.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +18,7 @@ enum class BootRequest : std::uint32_t {
 
 struct BootWords {
   Register request, inverted;
+  Register reset_flags, inverted_flags;
 };
 inline BootWords& boot_words() {
   return at<BootWords>(memory_map::sram + 128 * 1024 - 16);
@@ -43,6 +44,21 @@ inline BootRequest take_boot_request() {
   if (request == static_cast<std::uint32_t>(BootRequest::update)) return BootRequest::update;
   if (request == static_cast<std::uint32_t>(BootRequest::started)) return BootRequest::started;
   return BootRequest::none;
+}
+
+/// The boot loader clears the chip's reset flags: they would pile up over the starts of a program
+/// that does not come to do so. What they said, it tells the program.
+inline void hand_over_reset_flags(std::uint32_t flags) {
+  boot_words().reset_flags = flags;
+  boot_words().inverted_flags = ~flags;
+}
+
+/// False when no boot loader has handed any over. Takes them away.
+inline bool take_reset_flags(std::uint32_t& flags) {
+  flags = boot_words().reset_flags;
+  const bool valid = boot_words().inverted_flags == ~flags;
+  boot_words().inverted_flags = flags;
+  return valid;
 }
 
 /// Stands behind the boot loader's vectors, at 0x08000040.

@@ -1,5 +1,6 @@
 #include "boards/stm32f407/reset_cause.hpp"
 
+#include "boards/stm32f407/boot_request.hpp"
 #include "boards/stm32f407/registers/core.hpp"
 #include "boards/stm32f407/registers/rcc.hpp"
 
@@ -30,7 +31,8 @@ void reset_after_fault(std::uint32_t program_counter) {
 
 ResetReport take_reset_cause() {
   using namespace rcc_bits;
-  const std::uint32_t flags = rcc().CSR;
+  std::uint32_t flags = 0;
+  if (!take_reset_flags(flags)) flags = rcc().CSR;
   set_bits(rcc().CSR, RMVF);
   const bool noted = fault_note.valid();
   const auto program_counter = static_cast<std::int32_t>(fault_note.program_counter);

@@ -107,9 +107,10 @@ class SettingsStore {
   enum class Loaded : std::uint8_t { good, none, damaged, other_layout };
   /// Fills `settings` when the answer is good.
   virtual Loaded load(std::uint16_t layout, std::span<std::uint8_t> settings) const = 0;
-  /// Returns when they are safe; false: those saved before stay. May take half a second, in which
-  /// the processor stands still.
+  /// Returns when they are safe; false: those saved before stay.
   virtual bool save(std::uint16_t layout, std::span<const std::uint8_t> settings) = 0;
+  /// The next saving may take half a second, in which the processor stands still.
+  virtual bool next_save_is_slow() const = 0;
 
  protected:
   SettingsStore() = default;

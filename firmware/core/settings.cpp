@@ -66,10 +66,9 @@ void Controller::handle(const FrameView& frame, const protocol::SaveSettings& me
   const bool back = message.action == back_to_built_in;
   const SettingsBytes bytes = settings_to_bytes(back ? built_in_ : settings_in_force());
   if (settings_ == nullptr || board_->supply_low()) return refuse(frame, Refusal::not_stored);
-  const bool saved = settings_->save(settings_layout, bytes);
-  // The next tick may come late, for a page was erased: it is dark, and nothing moves.
-  ticked_ = false;
-  if (!saved) return refuse(frame, Refusal::not_stored);
+  // The next tick comes late then: it is dark, and nothing moves.
+  if (settings_->next_save_is_slow()) ticked_ = false;
+  if (!settings_->save(settings_layout, bytes)) return refuse(frame, Refusal::not_stored);
   if (back) take_over(built_in_);
   accept(frame);
 }

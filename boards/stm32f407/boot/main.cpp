@@ -44,9 +44,8 @@ void start_clock_of_usb() {
 }
 
 /// Every reset pulls the reset line, too: it was the cause where nothing else was.
-Restart why_restarted(BootRequest request) {
+Restart why_restarted(BootRequest request, std::uint32_t flags) {
   using namespace rcc_bits;
-  const std::uint32_t flags = rcc().CSR;
   if (request != BootRequest::none) return Restart::asked;
   if ((flags & (PORRSTF | BORRSTF)) != 0) return Restart::power;
   if ((flags & IWDGRSTF) != 0) return Restart::watchdog;
@@ -106,17 +105,19 @@ Reason why_here(Start start) {
 int main() {
   using namespace umov::boards::stm32f407;
   const BootRequest request = take_boot_request();
-  const Restart why = why_restarted(request);
+  const std::uint32_t flags = rcc().CSR;
+  set_bits(rcc().CSR, rcc_bits::RMVF);
+  const Restart why = why_restarted(request, flags);
   start_clocks();
-  // A reset that boot loader and program agreed upon is no news to the program.
-  if (why == Restart::asked) set_bits(rcc().CSR, rcc_bits::RMVF);
   if (request == BootRequest::update) {
     umov::firmware::boot::end_update(flash, trust);
     take_updates(Reason::none);
   }
   const auto decision = umov::firmware::boot::make_runnable(flash, trust, why);
   if (decision.start != Start::program) take_updates(why_here(decision.start));
-  // Nor is one that another image is to blame for.
-  if (decision.rolled_back) set_bits(rcc().CSR, rcc_bits::RMVF);
+  // A reset that boot loader and program agreed upon is no news to the program, nor is one that
+  // another image is to blame for.
+  const bool no_news = why == Restart::asked || decision.rolled_back;
+  hand_over_reset_flags(no_news ? 0 : flags);
   start_program();
 }

@@ -42,7 +42,7 @@ POINTERS = [
     (r"firmware::SettingsPages::", r"stm32f407::SettingsFlash::"),
     (r"firmware::boot::", BOOT_FLASH),
     (r"^umov::firmware::|^(void|bool) umov::firmware::",
-     r"stm32f407::(Stm32Board|FlashLog)::|firmware::SettingsPages::(load|save)"),
+     r"stm32f407::(Stm32Board|FlashLog)::|firmware::SettingsPages::(load|save|next_save_is_slow)"),
     (r"^main$", PORT),
     (r"^reset_handler$", r"_GLOBAL__sub_I|static_initialization"),
 ]

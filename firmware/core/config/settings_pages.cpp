@@ -84,14 +84,18 @@ SettingsStore::Loaded SettingsPages::load(std::uint16_t layout,
   return Loaded::good;
 }
 
+/// The last slot is taken when the other page is blank only: see begin(). A power cut during the
+/// erasure leaves a page with a free slot beside one that is not blank, which is then erased.
+bool SettingsPages::next_save_is_slow() const {
+  const auto page = static_cast<std::size_t>(page_in_use());
+  return used_[page] + 1 == slots() && used_[1 - page] > 0;
+}
+
 bool SettingsPages::choose_place(Place& next) {
-  const int page = newest_.page >= 0 ? newest_.page : used_[0] < slots() ? 0 : 1;
-  const int other = 1 - page;
+  const int page = page_in_use(), other = 1 - page;
   const std::uint32_t used = used_[static_cast<std::size_t>(page)];
   std::uint32_t& elsewhere = used_[static_cast<std::size_t>(other)];
-  // The last slot is taken when the other page is blank only: see begin(). A power cut during the
-  // erasure leaves a page with a free slot beside one that is not blank, which is then erased.
-  if (used + 1 == slots() && elsewhere > 0) {
+  if (next_save_is_slow()) {
     if (!flash_->erase(other)) return false;
     elsewhere = 0;
   }

@@ -48,9 +48,9 @@ class SettingsPages final : public SettingsStore {
   void begin();
 
   Loaded load(std::uint16_t layout, std::span<std::uint8_t> settings) const override;
-  /// False when the flash fails. One saving in 64 erases a page, in which the processor may stand
-  /// still for half a second: nothing may move then.
+  /// False when the flash fails. One saving in 64 erases a page first: nothing may move then.
   bool save(std::uint16_t layout, std::span<const std::uint8_t> settings) override;
+  bool next_save_is_slow() const override;
 
   static constexpr std::uint32_t slot_words = 64;
   /// Settings may be so long.
@@ -73,6 +73,7 @@ class SettingsPages final : public SettingsStore {
   std::uint32_t word(Place at, std::uint32_t i) const {
     return flash_->read(at.page, at.slot * slot_words + i);
   }
+  int page_in_use() const { return newest_.page >= 0 ? newest_.page : used_[0] < slots() ? 0 : 1; }
   Slot kind_of(Place at) const;
   Page look_at(int page) const;
   bool choose_place(Place& next);

@@ -107,7 +107,10 @@ TEST(SettingsPages, AreSavedWithoutEndWhileRunningByErasingAPageThatHoldsOlderOn
   fw::SettingsPages pages(flash);
   pages.begin();
   for (int saved = 1; saved <= 100; ++saved) {
+    const bool slow = pages.next_save_is_slow();
+    const int erasures = flash.erasures;
     ASSERT_TRUE(pages.save(layout, value_of(saved)));
+    ASSERT_EQ(flash.erasures > erasures, slow) << saved;
     FakePages now = flash;
     ASSERT_EQ(number_found(now), saved) << "a start at this moment";
   }

@@ -125,7 +125,7 @@ TEST_F(UpdateOfTheBoard, APowerCutDuringAnUpdateLeavesAProgramThatStarts) {
   const auto newer = image_of(old.header.version + 5);
   struct Cut {};
   int olds = 0, news = 0;
-  for (const std::uint64_t after_ms : {500, 2'000, 2'700, 3'400, 4'000}) {
+  for (const std::uint64_t after_ms : {500, 2'000, 2'700, 3'400, 3'600}) {
     board_.reset(mcu::ResetSource::power_on);
     put(running, old.bytes);
     put(staged, Bytes(2 * 128 * 1024, 0xFF));
