@@ -43,8 +43,9 @@ struct Options {
   std::string output;
 };
 
-/// A controller comes back within a second or two, under a slow emulation within many.
-constexpr std::chrono::seconds reappears_within{60};
+/// A controller comes back within a second or two, one that gives up its image within half a
+/// minute, under a slow emulation within many times that.
+constexpr std::chrono::seconds reappears_within{120};
 
 void write_file(const std::string& path, const std::vector<std::uint8_t>& bytes) {
   formats::replace_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});

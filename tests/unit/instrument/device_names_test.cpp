@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "host/errors/error.hpp"
+#include "host/instrument/firmware_image.hpp"
 #include "host/instrument/refusals.hpp"
+#include "protocol/boot_note.hpp"
 #include "protocol/messages.hpp"
 
 namespace umov::instrument {
@@ -78,6 +80,22 @@ TEST(Refusals, EveryFaultHasAMeaningAndARemedyOfItsOwn) {
     }
   }
   EXPECT_EQ(fault_name(200), "fault 200");
+}
+
+TEST(Refusals, ARollBackIsToldWithVersionAndReason) {
+  using protocol::RollBackReason;
+  constexpr auto rolled_back = static_cast<std::uint8_t>(protocol::Fault::rolled_back);
+  const auto text_of = [](RollBackReason reason, std::uint32_t version) {
+    return fault_detail(rolled_back, protocol::roll_back_detail(reason, version));
+  };
+  EXPECT_EQ(text_of(RollBackReason::watchdog, version_from_text("0.9.1")),
+            "image 0.9.1 failed its trial: the watchdog had to restart it");
+  EXPECT_EQ(text_of(RollBackReason::crash, version_from_text("255.255.255")),
+            "image 255.255.255 failed its trial: it crashed");
+  EXPECT_EQ(text_of(RollBackReason::button, version_from_text("1.0.0")),
+            "image 1.0.0 failed its trial: it was reset by hand");
+  EXPECT_EQ(text_of(RollBackReason::damaged, 0), "image failed its check at a start");
+  EXPECT_EQ(fault_detail(static_cast<std::uint8_t>(protocol::Fault::stall), 3), "3");
 }
 
 TEST(Refusals, EveryRefusalIsPutIntoWords) {
