@@ -281,16 +281,18 @@ void list(const Common& common) {
     }
   };
   std::string trouble;
-  const auto look = [&](const std::string& kind, const std::string& pipe, auto list) {
+  const auto look = [&](auto find) {
     try {
-      add(kind, pipe, list());
+      find();
     } catch (const Error& error) {  // none of that kind here: no reason not to name the rest
       trouble += (trouble.empty() ? "" : "\n") + error.problem();
     }
   };
-  look("usb", "bulk pipes", instrument::list_usb_devices);
-  look("hid", "HID reports", instrument::list_hid_devices);
-  for (const auto& waiting : waiting_controllers()) devices.push_back(waiting);
+  look([&] {
+    add("usb", "bulk pipes", instrument::list_usb_devices());
+    for (const auto& waiting : waiting_controllers()) devices.push_back(waiting);
+  });
+  look([&] { add("hid", "HID reports", instrument::list_hid_devices()); });
   if (common.json) {
     fmt::print("{}\n", devices.dump());
     return;

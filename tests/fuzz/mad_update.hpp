@@ -64,7 +64,9 @@ void update_madly(Input& input) {
   const auto before = flash.places[0];
   const firmware::boot::Trust trust{"board", {1, 2, 3}};
   usbip::StackPort port;
-  firmware::boot::BootDevice device(port, flash, trust, {'F'}, false);
+  const bool no_program = !input.empty() && (input.take() & 1) != 0;
+  const auto why = no_program ? firmware::boot::Reason::empty : firmware::boot::Reason::none;
+  firmware::boot::BootDevice device(port, flash, trust, {'F'}, false, why);
   port.bind(device);
   device.start();
   port.bus_reset();
