@@ -124,7 +124,7 @@ TEST_F(OnTrial, APowerCutWithinTheConfirmationLeavesItOnTrialOrConfirmed) {
     EXPECT_TRUE(Trial(flash).confirm());
     EXPECT_FALSE(Trial(flash).open()) << cut;
   }
-  EXPECT_EQ(confirmed, 4) << "from its first byte on";
+  EXPECT_EQ(confirmed, 5) << "from its first bit on";
 }
 
 TEST_F(OnTrial, OnlyAProvenImageIsKeptWhenAnotherComes) {
@@ -221,7 +221,7 @@ TEST_F(OnTrial, CutAnywhereUntilTheRollBackIsDoneEndsInTheImageBeforeIt) {
       EXPECT_FALSE(notes.next()) << "told once";
     }
   }
-  EXPECT_EQ(news, 18) << "until the first byte of the third failure";
+  EXPECT_EQ(news, 2 * 8) << "until the first bit of the third failure";
   EXPECT_GE(olds, 40);
 }
 
