@@ -450,10 +450,11 @@ struct FaultEvent {
   std::int32_t detail{};
   static constexpr MessageInfo info{0xb3, "fault_event", Sender::device,
                                     "A fault was latched; sent once."};
-  static constexpr auto fields =
-      std::tuple{field("time_us", &FaultEvent::time_us, "us", "device time"),
-                 field("fault", &FaultEvent::fault, "enum Fault", "which"),
-                 field("detail", &FaultEvent::detail, "1", "axis or row it concerns, -1 = none")};
+  static constexpr auto fields = std::tuple{
+      field("time_us", &FaultEvent::time_us, "us", "device time"),
+      field("fault", &FaultEvent::fault, "enum Fault", "which"),
+      field("detail", &FaultEvent::detail, "1",
+            "axis or row it concerns, -1 = none; of rolled_back and no_fallback: boot_note.hpp")};
 };
 
 struct ReadLog {
@@ -472,13 +473,14 @@ struct LogEntry {
   std::int32_t detail{};
   static constexpr MessageInfo info{0xb4, "log_entry", Sender::device,
                                     "An entry of the fault log; fault 0 = no such entry."};
-  static constexpr auto fields =
-      std::tuple{field("index", &LogEntry::index, "1", "entry"),
-                 field("count", &LogEntry::count, "1", "entries in the log"),
-                 field("time_us", &LogEntry::time_us, "us", "device time of that boot"),
-                 field("boot_id", &LogEntry::boot_id, "1", "boot it happened in"),
-                 field("fault", &LogEntry::fault, "enum Fault", "which"),
-                 field("detail", &LogEntry::detail, "1", "axis or row it concerns, -1 = none")};
+  static constexpr auto fields = std::tuple{
+      field("index", &LogEntry::index, "1", "entry"),
+      field("count", &LogEntry::count, "1", "entries in the log"),
+      field("time_us", &LogEntry::time_us, "us", "device time of that boot"),
+      field("boot_id", &LogEntry::boot_id, "1", "boot it happened in"),
+      field("fault", &LogEntry::fault, "enum Fault", "which"),
+      field("detail", &LogEntry::detail, "1",
+            "axis or row it concerns, -1 = none; of rolled_back and no_fallback: boot_note.hpp")};
 };
 
 struct Busy {
