@@ -28,6 +28,13 @@ class Surroundings {
   virtual std::uint16_t analog(unsigned channel, Time now) = 0;
   /// USART2 has sent a byte.
   virtual void on_serial(std::uint8_t byte, Time now) = 0;
+  /// The next moment after `now` at which an input changes that must be exact; never: none does.
+  virtual Time next_change(Time now) {
+    (void)now;
+    return never;
+  }
+  /// That moment has come: drives the pin.
+  virtual void change(Time now) { (void)now; }
 };
 
 struct ChipOptions {

@@ -17,7 +17,7 @@ struct FaultText {
 };
 
 // In the order of protocol::Fault.
-constexpr std::array<FaultText, 14> fault_texts{{
+constexpr std::array<FaultText, 15> fault_texts{{
     {"none", "no fault is latched", "nothing to do"},
     {"interlock", "the interlock opened",
      "close the enclosure and clear the fault: umov device log --clear"},
@@ -52,12 +52,26 @@ constexpr std::array<FaultText, 14> fault_texts{{
      "set, config save)"},
     {"over_temperature", "drivers or lasers are too hot",
      "let them cool and clear the fault (umov device log --clear); look at fans and air"},
+    {"reference_lost", "the external reference went away in the middle of a scan",
+     "look at chopper and cable (umov device info shows what comes in), clear the fault (umov "
+     "device log --clear) and resume"},
 }};
-static_assert(fault_texts.size() ==
-              static_cast<std::size_t>(protocol::Fault::over_temperature) + 1);
+static_assert(fault_texts.size() == static_cast<std::size_t>(protocol::Fault::reference_lost) + 1);
 
 std::string axis_or_nothing(std::int32_t detail) {
   return detail >= 0 && detail < protocol::axis_count ? " (" + axis_name(detail) + ")" : "";
+}
+
+std::string_view reference_problem(std::int32_t state) {
+  switch (static_cast<protocol::ReferenceState>(state)) {
+    case protocol::ReferenceState::unsteady:
+      return "the edges at its reference input do not come at a steady period";
+    case protocol::ReferenceState::out_of_range:
+      return "the external reference is slower than 10 Hz, faster than 20 kHz, or too fast for the "
+             "harmonic";
+    default:
+      return "no edges come in at its reference input";
+  }
 }
 
 struct RefusalText {
@@ -103,6 +117,10 @@ RefusalText refusal_text(const protocol::ErrorReply& reply) {
       return {
           "it could not store that",
           "check its supply voltage; restart the controller, which tidies its memory, and repeat"};
+    case Refusal::no_reference:
+      return {std::string(reference_problem(reply.detail)),
+              "start the chopper and look at umov device info, or detect against the modulation "
+              "output (reference_source internal)"};
   }
   return {"reason " + std::to_string(reply.code) + ", unknown to this program",
           "use the program release that fits the firmware"};
@@ -135,6 +153,13 @@ std::string state_name(std::uint8_t state) {
       "idle",   "homing",           "moving",           "scanning",
       "paused", "waiting_for_rows", "waiting_for_host", "safe"};
   static_assert(names.size() == static_cast<std::size_t>(protocol::State::safe) + 1);
+  if (state < names.size()) return std::string(names[state]);
+  return "state " + std::to_string(state);
+}
+
+std::string reference_state_name(std::uint8_t state) {
+  constexpr std::array<std::string_view, 4> names{"absent", "unsteady", "out_of_range", "locked"};
+  static_assert(names.size() == static_cast<std::size_t>(protocol::ReferenceState::locked) + 1);
   if (state < names.size()) return std::string(names[state]);
   return "state " + std::to_string(state);
 }
