@@ -69,6 +69,9 @@ class Stm32f407 {
   void set_supply(std::uint32_t millivolts);
   /// The ADC reports an overrun.
   void overrun_adc();
+  /// The bus refuses a transfer of the serial line's stream, of what is sent or of what is
+  /// received; false when that stream is off.
+  bool fail_serial_dma(bool sending);
   /// The processor does nothing for so long, as one that hangs; the peripherals go on.
   void stand_still(Time duration);
   /// Bytes to USART2.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <complex>
 #include <cstddef>
 #include <utility>
 
@@ -339,9 +340,16 @@ ExpectedSignal Plant::expected(double time_s) const {
   const double wander_deg = phase_wander_deg(time_s);
   const double phase = optics::radians(a.phase_deg + wander_deg);
   const double pickup = a.pickup_v * gain / nominal;
-  return {amplitude * std::cos(phase) + pickup + motor_pickup_v() * gain / nominal,
-          amplitude * std::sin(phase) + pickup * a.pickup_y_fraction,
-          beams.monitor * std::cos(optics::radians(config_.monitor.phase_deg + wander_deg))};
+  const std::complex<double> signal{
+      amplitude * std::cos(phase) + pickup + motor_pickup_v() * gain / nominal,
+      amplitude * std::sin(phase) + pickup * a.pickup_y_fraction};
+  const auto monitor =
+      std::polar(beams.monitor, optics::radians(config_.monitor.phase_deg + wander_deg));
+  const std::complex<double> chopped =
+      chopper_.present()
+          ? std::polar(chopper_.fundamental(), optics::radians(config_.chopper.phase_deg))
+          : 1.0;
+  return {(signal * chopped).real(), (signal * chopped).imag(), (monitor * chopped).real()};
 }
 
 double Plant::phase_wander_deg(double time_s) const {

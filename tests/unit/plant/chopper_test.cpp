@@ -8,6 +8,9 @@
 #include <numbers>
 #include <vector>
 
+#include "hil/plant/plant.hpp"
+#include "hil/plant/sample_catalog.hpp"
+
 namespace umov::plant {
 namespace {
 
@@ -69,6 +72,33 @@ TEST(Chopper, FundamentalIsThatOfTheTrapezium) {
       EXPECT_LT(std::abs(sum - expected), 1e-5) << share << " " << phase_deg;
     }
   }
+}
+
+/// The light that the chopper lets pass, detected in floating point over whole turns.
+TEST(Chopper, LightOfThePlantIsTheOneExpected) {
+  PlantConfig config = ideal_config();
+  config.chopper = {.frequency_hz = 437, .edge_share = 0.1, .phase_deg = 25};
+  const Chopper chopper(config.chopper, 0);
+  Plant plant({.config = config, .sample = make_sample("lambertian-99")});
+  plant.set_laser(1, true, 0.0);
+  plant.set_shutter(true, 0.0);
+  plant.set_gain(2, 0.0);
+  plant.set_reference(0);
+  constexpr std::size_t count = 100'000;  // 437 turns
+  std::vector<std::uint16_t> signal(count), monitor(count);
+  plant.sample(0.0, 100e3, 0, signal, monitor);
+  std::complex<double> x, m;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto reference =
+        std::polar(2.0 / count, two_pi * (0.25 - chopper.turns(static_cast<double>(i) / 100e3)));
+    x += (signal[i] - 2048.0) * reference;
+    m += (monitor[i] - 2048.0) * reference;
+  }
+  const double volts = config.adc.full_scale_v / 4096;
+  const ExpectedSignal expected = plant.expected(0.5);
+  EXPECT_NEAR(volts * x.real() / 100, expected.x_v, 1e-4 * expected.x_v);
+  EXPECT_NEAR(volts * x.imag() / 100, expected.y_v, 1e-4 * expected.x_v);
+  EXPECT_NEAR(volts * m.real(), expected.monitor_v, 1e-4 * expected.monitor_v);
 }
 
 }  // namespace
