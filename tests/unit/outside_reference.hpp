@@ -17,6 +17,7 @@ struct OutsideReference {
   double wander = 0;  ///< relative amplitude of the frequency
   double wander_period_s = 10;
   double jitter_rad = 0;
+  double starts_s = 0;
   double stops_s = std::numeric_limits<double>::infinity();
 
   /// Phase, turns.
@@ -45,6 +46,7 @@ struct OutsideReference {
     return at;
   }
   double next_edge_s(double after_s) const {
+    after_s = std::max(after_s, starts_s);
     const double before = std::floor(turns(after_s));
     auto number = static_cast<std::uint64_t>(std::max(before - 1, 0.0));
     while (edge_s(number) <= after_s) ++number;

@@ -34,19 +34,19 @@ inline protocol::ProgramRow still_row(std::uint32_t index, std::uint16_t dwell_m
 
 /// Periods from the first edge at the input to the lock, by asking for the status.
 template <class Rig>
-double periods_to_lock(double frequency_hz) {
+double periods_to_lock(OutsideReference reference) {
   Rig rig;
   instrument::Session session(rig.connect());
-  rig.stages().reference = OutsideReference{.frequency_hz = frequency_hz};
-  const double first_s = rig.stages().reference->next_edge_s(rig.now_s() + 0.0015);
-  // The bench is looked at each millisecond; a period more or less does not matter where this is
-  // long.
+  // The boards look each millisecond whether a reference has been switched on: it turns later.
+  reference.starts_s = rig.now_s() + 0.005;
+  rig.stages().reference = reference;
+  const double first_s = reference.next_edge_s(0);
   constexpr auto locked = static_cast<std::uint8_t>(protocol::ReferenceState::locked);
-  for (int i = 0; i < 10'000; ++i) {
+  while (rig.now_s() < first_s + 100 / reference.frequency_hz) {
     const auto status = session.request(protocol::GetStatus{});
     const double at_s = static_cast<double>(status.time_us) * 1e-6;
-    if (status.reference_state == locked) return (at_s - first_s) * frequency_hz;
-    rig.run_for(100);
+    if (status.reference_state == locked) return (at_s - first_s) * reference.frequency_hz;
+    rig.run_for(20);
   }
   return 1e9;
 }

@@ -2,6 +2,7 @@
 // came in while the receiver was off is asked for again.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "hil/mcu/board/mcu_board.hpp"
@@ -23,23 +24,31 @@ class FailingBoard {
   bool run_until_output(std::uint64_t max_us) {
     const std::uint64_t limit = board_->now_us() + max_us;
     while (board_->now_us() < limit) {
-      const auto step = static_cast<std::uint64_t>(1 + apart_(random_));
-      if (board_->run_until_output(std::min(step, limit - board_->now_us()))) break;
-      failures += board_->chip().fail_serial_dma(sending_) ? 1 : 0;
+      const std::uint64_t until = std::min(limit, std::max(next_us_, board_->now_us() + 1));
+      if (board_->run_until_output(until - board_->now_us())) break;
+      fail_when_due();
     }
-    if (sending_) {  // in the middle of what follows the first byte
+    if (sending_ && board_->has_output()) {  // in the middle of what follows the first byte
       board_->run_for(1 + random_() % 200);
-      failures += board_->chip().fail_serial_dma(true) ? 1 : 0;
+      next_us_ = board_->now_us();
+      fail_when_due();
     }
     return board_->has_output();
   }
   int failures = 0;
 
  private:
+  void fail_when_due() {
+    if (board_->now_us() < next_us_) return;
+    failures += board_->chip().fail_serial_dma(sending_) ? 1 : 0;
+    next_us_ = board_->now_us() + static_cast<std::uint64_t>(1 + apart_(random_));
+  }
+
   mcu::McuBoard* board_;
   bool sending_;
   std::mt19937 random_{3};
   std::exponential_distribution<double> apart_;
+  std::uint64_t next_us_ = 0;
 };
 
 std::vector<std::uint8_t> frame_of(std::uint16_t sequence, const auto& message) {
@@ -77,6 +86,24 @@ TEST(SerialErrors, WhatIsSentArrivesWholeOverErrorsOfItsDma) {
   EXPECT_EQ(replies, requests);
   EXPECT_GT(failures, requests) << "of them, in the middle of replies";
   EXPECT_EQ(reader.counters().bad_crc + reader.counters().garbage + reader.counters().oversize, 0u);
+}
+
+TEST(SerialErrors, TheReceiverIsBackWithinTwoMilliseconds) {
+  test::NoisyBench bench;
+  mcu::McuBoard board(bench, {.image = UMOV_STM32F407_ELF});
+  board.run_for(10'000);
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_TRUE(board.chip().fail_serial_dma(false)) << i;
+    board.run_for(2'000);
+    board.deliver(frame_of(static_cast<std::uint16_t>(i),
+                           protocol::Hello{.version = protocol::protocol_version,
+                                           .schema_hash = protocol::schema_hash,
+                                           .host_name = {}}));
+    EXPECT_TRUE(board.run_until_output(5'000)) << i;
+    board.run_for(5'000);
+    std::vector<std::uint8_t> bytes;
+    board.take_output(bytes);
+  }
 }
 
 class SerialErrorsOfAScan : public testing::TestWithParam<bool> {};
