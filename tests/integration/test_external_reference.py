@@ -56,7 +56,7 @@ class ExternalReference(UmovCase):
         self.refused("scan", "plan.toml", "-o", "a.h5", says=["plan.toml", ":9", "reference_hz"])
 
     def test_the_input_is_shown_and_the_source_is_a_setting(self):
-        _, device = self.emulator(*BENCH, "--set", "chopper.frequency_hz=437")
+        _, device = self.emulator(*BENCH, "--plant-set", "chopper.frequency_hz=437")
         on = ("--device", device)
         self.assertIn("reference input locked at 437.000 Hz", self.must("device", "info", *on).stdout)
         self.must("device", "config", "set", "lockin", "reference_source=external", "harmonic=2", *on)

@@ -46,7 +46,7 @@ is shown where a period is longer. The bounds of the project: 20 periods, 1e-4 r
 {reference}
 
 A frequency that swings by 1e-5 in 10 s is that of a chopper held by its own quartz; jitter is that of the edges alone, each on
-its own, and reaches a single phase by 0.29 of itself (`test_firmware --gtest_filter='ReferenceLock.*'`).
+its own, and 0.29 of it reaches a phase (0.47 at low frequencies) (`test_firmware --gtest_filter='ReferenceLock.*'`).
 
 {size}
 """

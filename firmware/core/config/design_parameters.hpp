@@ -27,9 +27,10 @@ inline constexpr std::uint32_t sample_rate_hz = 100'000;
 inline constexpr std::uint32_t reference_clock_hz = 168'000'000;
 inline constexpr std::uint32_t reference_ticks_per_sample = reference_clock_hz / sample_rate_hz;
 static_assert(reference_ticks_per_sample * sample_rate_hz == reference_clock_hz);
-/// Frequencies of an external reference, those of the modulation.
-inline constexpr std::uint32_t lowest_reference_mhz = 10'000;
-inline constexpr std::uint32_t highest_reference_mhz = 20'000'000;
+/// Frequencies of an external reference: those of the modulation and a hundredth more, so that one
+/// at the end of the range is not lost for its jitter.
+inline constexpr std::uint32_t lowest_reference_mhz = 9'900;
+inline constexpr std::uint32_t highest_reference_mhz = 20'200'000;
 inline constexpr std::uint16_t adc_codes = 4096;
 inline constexpr int adc_middle = 2048;
 /// 3.3 V over 4096 codes.

@@ -1,5 +1,7 @@
 #include "firmware/core/lockin/reference_lock.hpp"
 
+#include <algorithm>
+
 #include "firmware/core/integer/wide.hpp"
 
 namespace umov::firmware {
@@ -38,6 +40,12 @@ std::uint32_t PhaseLine::step_per_sample() const {
 
 bool ReferenceLock::in_range() const {
   return line_.period >= shortest_period && line_.period <= longest_period;
+}
+
+std::uint32_t ReferenceLock::edges_to_remember() const {
+  constexpr std::uint64_t remembered = std::uint64_t{reference_clock_hz} / 4 * one_tick;
+  if (line_.period <= remembered / memory) return memory;
+  return std::max(short_memory, static_cast<std::uint32_t>(remembered / line_.period));
 }
 
 void ReferenceLock::begin(std::uint32_t tick) {
@@ -91,7 +99,7 @@ void ReferenceLock::on_edge(std::uint32_t tick) {
 
 /// The edge `periods` after the last one was off by `error`.
 void ReferenceLock::follow(std::uint64_t error, bool late, std::uint32_t periods) {
-  if (edges_ < memory) ++edges_;
+  edges_ = std::min(edges_ + 1, edges_to_remember());
   const std::uint64_t n = edges_;
   const std::uint64_t weight = n * (n + 1);
   const std::uint64_t moved = (error * (2 * (2 * n - 1)) + weight / 2) / weight;

@@ -29,15 +29,17 @@ struct PhaseLine {
 ///
 /// which is the least-squares line through the last n edges as long as n counts them all (R. E.
 /// Kalman's filter of a straight line; D. Simon, Optimal State Estimation, 2006, ch. 5: recursive
-/// least squares). n stops at `memory`: older edges fade, so that the loop follows a chopper that
-/// wanders. White jitter of the edges reaches the phase by 0.29 of itself then.
+/// least squares). n stops at `memory`, at low frequencies at the edges of the last quarter of a
+/// second: older ones fade, so that the loop follows a chopper that wanders. White jitter of 32
+/// edges reaches the phase by 0.29 of itself, of 12 by 0.47.
 ///
 /// Contexts: on_edge() in the capture interrupt; everything else from less urgent ones, which keep
 /// that interrupt out meanwhile.
 class ReferenceLock {
  public:
-  /// Edges that are remembered.
+  /// Edges that are remembered, at most and at least.
   static constexpr std::uint32_t memory = 32;
+  static constexpr std::uint32_t short_memory = 12;
   /// Locked after so many edges in a row, each where it was predicted within 1/32 of a period.
   static constexpr std::uint32_t lock_edges = 10;
   /// An edge further off than 1/8 of a period is no edge of this reference. So many in a row, or so
@@ -64,6 +66,7 @@ class ReferenceLock {
   void take_first_period(std::uint32_t ticks);
   void forget();
   bool in_range() const;
+  std::uint32_t edges_to_remember() const;
   void follow(std::uint64_t error, bool late, std::uint32_t periods);
 
   PhaseLine line_{};

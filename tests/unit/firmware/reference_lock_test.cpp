@@ -97,8 +97,8 @@ TEST(ReferenceLock, HoldsWithinTenThousandthOfARadian) {
   struct Case {
     double hz, wander;
   };
-  for (const Case c :
-       {Case{37.3, 0}, Case{437, 1e-5}, Case{1013.7, 1e-4}, Case{4973, 1e-4}, Case{19'973, 1e-4}}) {
+  for (const Case c : {Case{11.3, 1e-5}, Case{37.3, 1e-5}, Case{437, 1e-5}, Case{1013.7, 1e-4},
+                       Case{4973, 1e-4}, Case{19'973, 1e-4}}) {
     const OutsideReference reference{.frequency_hz = c.hz, .wander = c.wander};
     Edges edges(reference);
     ReferenceLock lock;
@@ -121,8 +121,11 @@ TEST(ReferenceLock, HoldsWithinTenThousandthOfARadian) {
   }
 }
 
-TEST(ReferenceLock, PassesThreeTenthsOfTheJitterOfTheEdges) {
-  const OutsideReference reference{.frequency_hz = 437, .jitter_rad = 3.5e-3};
+class Jitter : public testing::TestWithParam<std::pair<double, double>> {};
+
+TEST_P(Jitter, ReachesThePhaseByTheShareOfTheMemory) {
+  const auto [hz, share] = GetParam();
+  const OutsideReference reference{.frequency_hz = hz, .jitter_rad = 3.5e-3};
   Edges edges(reference);
   ReferenceLock lock;
   double squares = 0;
@@ -134,8 +137,18 @@ TEST(ReferenceLock, PassesThreeTenthsOfTheJitterOfTheEdges) {
     squares += error * error;
     ++count;
   }
-  EXPECT_NEAR(std::sqrt(squares / count) / reference.jitter_rad, 0.29, 0.02);
+  EXPECT_NEAR(std::sqrt(squares / count) / reference.jitter_rad, share, 0.02);
 }
+
+/// Of a filter with the gains a and b the phase has the variance (2a² + b (2 - 3a)) /
+/// (a (4 - 2a - b)) of the edges' (P. R. Kalata, IEEE Trans. Aerosp. Electron. Syst. 20, 1984).
+double share_of(double n) {
+  const double a = 2 * (2 * n - 1) / (n * (n + 1)), b = 6 / (n * (n + 1));
+  return std::sqrt((2 * a * a + b * (2 - 3 * a)) / (a * (4 - 2 * a - b)));
+}
+INSTANTIATE_TEST_SUITE_P(ReferenceLock, Jitter,
+                         testing::Values(std::pair{437.0, share_of(32)},
+                                         std::pair{20.0, share_of(12)}));
 
 TEST(ReferenceLock, BridgesMissingAndStrayEdges) {
   const OutsideReference reference{.frequency_hz = 1000};

@@ -61,7 +61,7 @@ std::vector<std::uint8_t> frame_of(std::uint16_t sequence, const auto& message) 
 TEST(SerialErrors, WhatIsSentArrivesWholeOverErrorsOfItsDma) {
   test::NoisyBench bench;
   mcu::McuBoard board(bench, {.image = UMOV_STM32F407_ELF});
-  board.run_for(10'000);
+  board.run_for(100'000);  // its program has started
   protocol::Hello hello{
       .version = protocol::protocol_version, .schema_hash = protocol::schema_hash, .host_name = {}};
   board.deliver(frame_of(1, hello));
@@ -91,7 +91,7 @@ TEST(SerialErrors, WhatIsSentArrivesWholeOverErrorsOfItsDma) {
 TEST(SerialErrors, TheReceiverIsBackWithinTwoMilliseconds) {
   test::NoisyBench bench;
   mcu::McuBoard board(bench, {.image = UMOV_STM32F407_ELF});
-  board.run_for(10'000);
+  board.run_for(100'000);  // its program has started
   for (int i = 0; i < 100; ++i) {
     EXPECT_TRUE(board.chip().fail_serial_dma(false)) << i;
     board.run_for(2'000);
