@@ -46,7 +46,8 @@ enum class Fault : std::uint8_t {
   settings_corrupt,
   over_temperature,
   rolled_back,
-  no_fallback
+  no_fallback,
+  reference_lost
 };
 
 /// What the controller is doing.
@@ -74,7 +75,22 @@ enum class Refusal : std::uint8_t {
   schema_mismatch,
   busy,
   stale_program,
-  not_stored
+  not_stored,
+  no_reference
+};
+
+/// What the lock-in detects against.
+enum class ReferenceSource : std::uint8_t {
+  internal,  ///< the modulation output
+  external   ///< rising edges at the reference input
+};
+
+/// What comes in at the reference input.
+enum class ReferenceState : std::uint8_t {
+  absent,        ///< no edges
+  unsteady,      ///< edges whose period does not hold, or too few of them yet
+  out_of_range,  ///< slower or faster than can be detected
+  locked         ///< frequency and phase are known
 };
 
 struct Hello {
@@ -167,6 +183,8 @@ struct Status {
   std::uint32_t first_unacknowledged{};
   std::uint32_t next_record{};
   std::array<std::int32_t, 6> position_udeg{};
+  std::uint8_t reference_state{};
+  std::uint32_t reference_mhz{};
   static constexpr MessageInfo info{0x83, "status", Sender::device,
                                     "State of the controller, the scan program and the axes."};
   static constexpr auto fields = std::tuple{
@@ -182,7 +200,11 @@ struct Status {
       field("first_unacknowledged", &Status::first_unacknowledged, "1",
             "oldest record not yet acknowledged"),
       field("next_record", &Status::next_record, "1", "index of the next record to be measured"),
-      field("position_udeg", &Status::position_udeg, "udeg", "axis positions")};
+      field("position_udeg", &Status::position_udeg, "udeg", "axis positions"),
+      field("reference_state", &Status::reference_state, "enum ReferenceState",
+            "what comes in at the reference input, used or not"),
+      field("reference_mhz", &Status::reference_mhz, "mHz",
+            "frequency of the reference input while locked, else 0")};
 };
 
 struct GetAxis {
@@ -245,17 +267,21 @@ struct SetLockin {
   std::int32_t phase_udeg{};
   std::uint16_t settle_ms{};
   std::uint8_t blocks{};
+  std::uint8_t source{};
   static constexpr MessageInfo info{0x06, "set_lockin", Sender::host,
                                     "Sets modulation and detection (idle only)."};
   static constexpr auto fields = std::tuple{
-      field("reference_mhz", &SetLockin::reference_mhz, "mHz", "modulation frequency", 10000,
-            20000000),
+      field("reference_mhz", &SetLockin::reference_mhz, "mHz",
+            "modulation frequency; of no effect with an external reference", 10000, 20000000),
       field("harmonic", &SetLockin::harmonic, "1", "harmonic detected", 1, 9),
       field("phase_udeg", &SetLockin::phase_udeg, "udeg", "added to the reference phase",
             -180000000, 180000000),
       field("settle_ms", &SetLockin::settle_ms, "ms",
             "wait after moves and gain changes before integrating", 0, 10000),
-      field("blocks", &SetLockin::blocks, "1", "blocks per record for the standard error", 2, 64)};
+      field("blocks", &SetLockin::blocks, "1", "blocks per record for the standard error", 2, 64),
+      field("source", &SetLockin::source, "enum ReferenceSource",
+            "what is detected against; external: the modulation output stays on while sampling", 0,
+            1)};
 };
 
 struct GetLockin {
@@ -271,6 +297,7 @@ struct LockinInfo {
   std::int32_t phase_udeg{};
   std::uint16_t settle_ms{};
   std::uint8_t blocks{};
+  std::uint8_t source{};
   static constexpr MessageInfo info{0x87, "lockin_info", Sender::device,
                                     "Modulation and detection, as in set_lockin."};
   static constexpr auto fields = std::tuple{
@@ -279,7 +306,8 @@ struct LockinInfo {
       field("phase_udeg", &LockinInfo::phase_udeg, "udeg", "added to the reference phase"),
       field("settle_ms", &LockinInfo::settle_ms, "ms",
             "wait after moves and gain changes before integrating"),
-      field("blocks", &LockinInfo::blocks, "1", "blocks per record for the standard error")};
+      field("blocks", &LockinInfo::blocks, "1", "blocks per record for the standard error"),
+      field("source", &LockinInfo::source, "enum ReferenceSource", "what is detected against")};
 };
 
 struct SaveSettings {
@@ -382,7 +410,8 @@ struct Record {
       field("direction", &Record::direction, "1",
             "sense of the last detector-arm move that was not zero", -1, 1),
       field("samples", &Record::samples, "1",
-            "ADC samples integrated, a whole number of reference periods"),
+            "ADC samples integrated, a whole number of reference periods (of an external "
+            "reference to the nearest sample, sums scaled to it)"),
       field("saturated", &Record::saturated, "1", "clipped ADC samples, signal or monitor"),
       field("signal_x", &Record::signal_x, "code*sine", "sum of signal x in-phase reference"),
       field("signal_y", &Record::signal_y, "code*sine", "sum of signal x quadrature reference"),
@@ -441,7 +470,7 @@ struct ClearFault {
       0x33, "clear_fault", Sender::host,
       "Clears the latched fault named; refused while its cause persists."};
   static constexpr auto fields =
-      std::tuple{field("fault", &ClearFault::fault, "enum Fault", "fault to clear", 1, 15)};
+      std::tuple{field("fault", &ClearFault::fault, "enum Fault", "fault to clear", 1, 16)};
 };
 
 struct FaultEvent {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <string_view>
 
@@ -22,6 +23,10 @@ constexpr Ticks ticks_per_ms = ticks_per_second / 1'000;
 constexpr Ticks ticks_per_sample = ticks_per_second / firmware::sample_rate_hz;
 static_assert(ticks_per_us * 1'000'000 == ticks_per_second);
 static_assert(ticks_per_sample * firmware::sample_rate_hz == ticks_per_second);
+
+/// Of the reference clock, in one of the step timers.
+constexpr Ticks reference_ticks = firmware::reference_clock_hz / firmware::step_timer_hz;
+static_assert(reference_ticks * firmware::step_timer_hz == firmware::reference_clock_hz);
 
 constexpr Ticks watchdog_ticks = 250 * ticks_per_ms;
 constexpr Ticks never = std::numeric_limits<Ticks>::max();
@@ -74,6 +79,7 @@ struct NativeBoard::Impl final : firmware::Board {
     next_block = never;
     next_tick = now + ticks_per_ms;
     output.clear();
+    find_edge();
   }
 
   void reset(firmware::ResetCause cause) {
@@ -132,11 +138,15 @@ struct NativeBoard::Impl final : firmware::Board {
   bool overheated() const override { return world->overheated(); }
   bool supply_low() const override { return world->supply_low(); }
   bool stalled(int axis) const override { return world->stalled(axis); }
-  void start_sampling(std::uint32_t phase_step) override {
+  std::uint32_t start_sampling(std::uint32_t phase_step) override {
     world->set_reference(phase_step);
     sampling_since = now;
     first_sample = 0;
     next_block = now + options.samples_per_block * ticks_per_sample;
+    return reference_clock();
+  }
+  std::uint32_t reference_clock() const override {
+    return static_cast<std::uint32_t>(now * reference_ticks);
   }
   void stop_sampling() override { next_block = never; }
   void mask_interrupts() override {}
@@ -151,7 +161,7 @@ struct NativeBoard::Impl final : firmware::Board {
       if (next_step[index(other)] < next_step[index(axis)]) axis = other;
     }
     const Ticks step_at = next_step[index(axis)];
-    const Ticks next = std::min({step_at, next_block, next_tick});
+    const Ticks next = std::min({step_at, edge_seen, next_block, next_tick});
     if (next > limit) {
       now = limit;
       return false;
@@ -160,10 +170,13 @@ struct NativeBoard::Impl final : firmware::Board {
     // At the same instant interrupts go before the main loop, steps first.
     if (step_at == next) {
       take_step(axis);
+    } else if (edge_seen == next) {
+      take_edge();
     } else if (next_block == next) {
       take_samples();
     } else {
       next_tick += ticks_per_ms;
+      if (edge_seen == never) find_edge();  // somebody may have switched it on
       controller->tick();
       send_all();
     }
@@ -184,6 +197,20 @@ struct NativeBoard::Impl final : firmware::Board {
     next_step[index(axis)] = interval == 0 ? never : due + interval;
   }
 
+  /// The next edge of the reference input, and the first tick at which it is seen.
+  void find_edge() {
+    const double next_s = world->next_reference_edge(std::max(edge_s, seconds(now)));
+    edge_seen = never;
+    if (!std::isfinite(next_s)) return;
+    edge_s = next_s;
+    edge_seen = static_cast<Ticks>(edge_s * static_cast<double>(ticks_per_second)) + 1;
+  }
+  void take_edge() {
+    const auto tick = static_cast<std::uint64_t>(edge_s * firmware::reference_clock_hz);
+    find_edge();
+    controller->on_reference_edge(static_cast<std::uint32_t>(tick));
+  }
+
   void take_samples() {
     world->sample(seconds(sampling_since), firmware::sample_rate_hz, first_sample, signal, monitor);
     first_sample += signal.size();
@@ -201,6 +228,8 @@ struct NativeBoard::Impl final : firmware::Board {
   Ticks now = 0;
   Ticks next_tick = ticks_per_ms;
   Ticks next_block = never;
+  Ticks edge_seen = never;
+  double edge_s = 0;
   Ticks sampling_since = 0;
   std::uint64_t first_sample = 0;
   std::vector<std::uint16_t> signal;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 
 namespace umov::boards::native {
@@ -37,6 +38,11 @@ class World {
   /// Modulation output: a square wave, high while phase < 2^31; phase(n) = n * phase_step (mod
   /// 2^32) at sample n counted from the start of sampling; phase_step = f / f_sample * 2^32.
   virtual void set_reference(std::uint32_t phase_step) = 0;
+  /// The first rising edge at the reference input after `after_s`; infinite: none comes.
+  virtual double next_reference_edge(double after_s) const {
+    (void)after_s;
+    return std::numeric_limits<double>::infinity();
+  }
   /// ADC codes of the two channels for samples first .. first + n - 1 of the stream that began at
   /// start_time_s with `sample_rate_hz`; both spans have length n; codes 0 .. 4095, mid-scale 2048.
   virtual void sample(double start_time_s, double sample_rate_hz, std::uint64_t first,

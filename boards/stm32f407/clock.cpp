@@ -39,7 +39,7 @@ void start_clocks() {
   set_bits(r.AHB1ENR, GPIO_ALL | DMA1EN | DMA2EN);
   set_bits(r.AHB2ENR, OTGFSEN);
   set_bits(r.APB1ENR, TIM2EN | TIM5EN | USART2EN);
-  set_bits(r.APB2ENR, TIM8EN | ADC1EN | ADC2EN | SYSCFGEN);
+  set_bits(r.APB2ENR, TIM1EN | TIM8EN | ADC1EN | ADC2EN | SYSCFGEN);
 }
 
 void stop_clocks() {

@@ -20,6 +20,12 @@ struct AnalogInput {
   std::uint8_t channel = 0;  ///< of ADC1 and ADC2
 };
 
+/// `channel` 1 to 4 of TIM1 captures the pin.
+struct CaptureInput {
+  Pin pin;
+  std::uint8_t channel = 0;
+};
+
 /// What an axis is wired to. `timer` 2 or 5 and `channel` 1 to 4 drive the step pin.
 struct AxisPins {
   Pin step, direction, home, lower_limit, upper_limit, stall;

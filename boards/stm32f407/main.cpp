@@ -42,7 +42,8 @@ alignas(firmware::usb::Device) std::byte usb_place[sizeof(firmware::usb::Device)
 firmware::usb::Device* usb = nullptr;
 std::atomic<bool> tick_due{false};
 
-/// Priorities, 0 the most urgent: step edges first, then what must go dark at once, samples, link.
+/// Priorities, 0 the most urgent: step edges first, then what must go dark at once and edges of the
+/// reference, samples, link.
 void start_interrupts() {
   set_priority(Irq::tim2, 0);
   set_priority(Irq::tim5, 0);
@@ -51,12 +52,14 @@ void start_interrupts() {
   set_priority(Irq::exti15_10, 1);
   set_priority(Irq::pvd, 1);
   set_priority(Irq::adc, 1);
+  set_priority(Irq::tim1_cc, 1);
   set_priority(Irq::dma2_stream0, 2);
   set_priority(Irq::dma1_stream6, 3);
   set_priority(Irq::otg_fs, 3);
   set_systick_priority(3);
-  for (const Irq irq : {Irq::tim2, Irq::tim5, Irq::exti4, Irq::exti9_5, Irq::exti15_10, Irq::pvd,
-                        Irq::adc, Irq::dma2_stream0, Irq::dma1_stream6, Irq::otg_fs}) {
+  for (const Irq irq :
+       {Irq::tim2, Irq::tim5, Irq::exti4, Irq::exti9_5, Irq::exti15_10, Irq::pvd, Irq::adc,
+        Irq::tim1_cc, Irq::dma2_stream0, Irq::dma1_stream6, Irq::otg_fs}) {
     enable(irq);
   }
   systick().RVR = core_hz / 1000 - 1;
@@ -132,6 +135,9 @@ using namespace umov::boards::stm32f407;
 
 extern "C" {
 
+void tim1_cc_handler() {
+  board.reference().on_interrupt([](std::uint32_t tick) { controller->on_reference_edge(tick); });
+}
 void tim2_handler() {
   on_step_timer<2>();
 }
@@ -197,6 +203,7 @@ int main() {
     if (tick_due.exchange(false, std::memory_order_acquire)) {
       feed_watchdog();
       board.serial().service();
+      board.reference().service();
       controller->tick();
       usb->tick(board.time_us());
       if (!controller->motion().busy() && !board.supply_low()) {

@@ -2,6 +2,7 @@
 
 #include "boards/stm32f407/clock.hpp"
 #include "boards/stm32f407/pins.hpp"
+#include "boards/stm32f407/reference_input.hpp"
 #include "boards/stm32f407/registers/adc.hpp"
 #include "boards/stm32f407/registers/core.hpp"
 #include "boards/stm32f407/registers/dma.hpp"
@@ -29,6 +30,9 @@ constexpr std::uint32_t level_control =
 
 /// 28 cycles of 21 MHz: the source behind the pins may have up to 10 kOhm.
 constexpr std::uint32_t sample_time = 2;
+
+/// From the trigger to the moment at which the voltage is held, in ticks of the timers.
+constexpr std::uint32_t hold_ticks = 28 * 4 * (apb2_timer_hz / apb2_hz);
 
 /// DMA reads and writes memory behind the compiler's back.
 void memory_is_shared() {
@@ -89,7 +93,7 @@ void Sampling::set_up() {
   timer.DIER = timer_bits::CC1DE;
 }
 
-void Sampling::start(std::uint32_t phase_step) {
+std::uint32_t Sampling::start(std::uint32_t phase_step) {
   stop();
   phase_ = 0;
   next_half_ = 0;
@@ -105,9 +109,16 @@ void Sampling::start(std::uint32_t phase_step) {
   start_stream(level_stream, level_control, gpio(modulation_pin.port).BSRR, levels_.data(),
                levels_.size());
   running_ = true;
+  const CriticalSection alone;
   // The next tick is the compare channel's: the level of sample 0.
   tim8().CNT = ticks_per_sample / 2 - 1;
   tim8().CR1 = timer_bits::URS | timer_bits::CEN;
+  // Read between two readings of the other clock: on the way to a timer each takes the same time.
+  const std::uint32_t before = tim1().CNT;
+  const std::uint32_t count = tim8().CNT;
+  const std::uint32_t after = tim1().CNT;
+  const std::uint32_t moment = before + ((after - before) & 0xFFFF) / 2;
+  return reference_tick(moment) + ticks_per_sample - count + hold_ticks;
 }
 
 void Sampling::stop() {

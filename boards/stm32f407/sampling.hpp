@@ -17,8 +17,9 @@ class Sampling {
   static constexpr std::size_t block_samples = 250;
 
   void set_up();
-  /// Sample 0 comes half a sample from now.
-  void start(std::uint32_t phase_step);
+  /// Sample 0 comes half a sample from now. Returns the tick of the reference clock at which its
+  /// voltage is held.
+  std::uint32_t start(std::uint32_t phase_step);
   /// Any context; the modulation ends dark.
   void stop();
 

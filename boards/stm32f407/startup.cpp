@@ -12,6 +12,7 @@ extern std::uint32_t image_stack_begin[];
 
 int main();
 
+void tim1_cc_handler();
 void tim2_handler();
 void tim5_handler();
 void exti4_handler();
@@ -70,6 +71,7 @@ constexpr Table make_table() {
   table.vector[0] = {.stack_top = image_stack_top};
   table.vector[1] = {.handler = reset_handler};
   table.vector[15] = {.handler = systick_handler};
+  table.vector[place(Irq::tim1_cc)] = {.handler = tim1_cc_handler};
   table.vector[place(Irq::tim2)] = {.handler = tim2_handler};
   table.vector[place(Irq::tim5)] = {.handler = tim5_handler};
   table.vector[place(Irq::exti4)] = {.handler = exti4_handler};

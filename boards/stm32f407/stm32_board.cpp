@@ -49,6 +49,7 @@ void Stm32Board::set_up() {
   }
   steps_.set_up();
   sampling_.set_up();
+  reference_.set_up();
   serial_.set_up();
 }
 

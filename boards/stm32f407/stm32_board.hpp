@@ -1,6 +1,7 @@
 // The board as the core sees it: pins, step timers, sampling and link put together.
 #pragma once
 
+#include "boards/stm32f407/reference_input.hpp"
 #include "boards/stm32f407/sampling.hpp"
 #include "boards/stm32f407/step_outputs.hpp"
 #include "boards/stm32f407/uart_link.hpp"
@@ -35,7 +36,10 @@ class Stm32Board final : public firmware::Board {
   bool supply_low() const override;
   bool stalled(int axis) const override;
 
-  void start_sampling(std::uint32_t phase_step) override { sampling_.start(phase_step); }
+  std::uint32_t start_sampling(std::uint32_t phase_step) override {
+    return sampling_.start(phase_step);
+  }
+  std::uint32_t reference_clock() const override { return reference_tick(tim1().CNT); }
   void stop_sampling() override { sampling_.stop(); }
 
   void mask_interrupts() override;
@@ -46,11 +50,13 @@ class Stm32Board final : public firmware::Board {
 
   StepOutputs& steps() { return steps_; }
   Sampling& sampling() { return sampling_; }
+  ReferenceInput& reference() { return reference_; }
   UartLink& serial() { return serial_; }
 
  private:
   StepOutputs steps_;
   Sampling sampling_;
+  ReferenceInput reference_;
   UartLink serial_;
   firmware::usb::Device* usb_ = nullptr;
   mutable std::uint32_t clock_low_ = 0;

@@ -39,7 +39,11 @@ class RegisterBoard final : public umov::firmware::Board {
   bool supply_low() const override { return reg[62] != 0; }
   bool stalled(int axis) const override { return (reg[63] >> axis & 1u) != 0; }
   bool interlock_closed() const override { return reg[21] != 0; }
-  void start_sampling(std::uint32_t phase_step) override { reg[22] = phase_step; }
+  std::uint32_t start_sampling(std::uint32_t phase_step) override {
+    reg[22] = phase_step;
+    return reg[70];
+  }
+  std::uint32_t reference_clock() const override { return reg[70]; }
   void stop_sampling() override { reg[22] = 0; }
   void mask_interrupts() override { reg[23] = 1; }
   void unmask_interrupts() override { reg[23] = 0; }
@@ -155,6 +159,7 @@ void umov_check_entry() {
     if (reg[66] != 0) controller->on_emergency_stop();
     if (reg[67] != 0) controller->on_overheat();
     if (reg[68] != 0) controller->on_low_supply();
+    if (reg[71] != 0) controller->on_reference_edge(reg[71]);
     controller->tick();
     reg[69] = controller->send_more();
   }

@@ -51,6 +51,14 @@ bool Controller::refused_by_fault(const FrameView& frame) {
   return true;
 }
 
+bool Controller::refused_without_reference(const FrameView& frame) {
+  if (!sequencer_.external()) return false;
+  const protocol::ReferenceState state = sequencer_.reference_state();
+  if (state == protocol::ReferenceState::locked) return false;
+  refuse(frame, Refusal::no_reference, static_cast<std::int32_t>(state));
+  return true;
+}
+
 bool Controller::refused_unless_homed(const FrameView& frame) {
   for (int axis = 0; axis < axis_count; ++axis) {
     if ((motion_.homed_mask() & (1u << axis)) != 0) continue;
@@ -97,7 +105,9 @@ void Controller::handle(const FrameView& frame, const protocol::GetStatus&) {
       .next_row = sequencer_.rows().next(),
       .first_unacknowledged = sequencer_.records().first_unacknowledged(),
       .next_record = sequencer_.records().next(),
-      .position_udeg = {}};
+      .position_udeg = {},
+      .reference_state = static_cast<std::uint8_t>(sequencer_.reference_state()),
+      .reference_mhz = sequencer_.reference_now().frequency_mhz()};
   for (int axis = 0; axis < axis_count; ++axis) {
     status.position_udeg[static_cast<std::size_t>(axis)] = motion_.position_udeg(axis);
   }
@@ -144,7 +154,7 @@ void Controller::handle(const FrameView& frame, const protocol::ProgramBegin& me
   }
   if (sequencer_.active()) return refuse(frame, Refusal::wrong_state);
   if (motion_.homing()) return refuse(frame, Refusal::busy);
-  if (refused_unless_homed(frame)) return;
+  if (refused_unless_homed(frame) || refused_without_reference(frame)) return;
   constexpr std::int32_t first_row_field = 1;
   if (message.first_row >= message.row_count) {
     return refuse(frame, Refusal::out_of_range, first_row_field);
@@ -177,7 +187,10 @@ void Controller::handle(const FrameView& frame, const protocol::ProgramControl& 
   if (message.action == pause) {
     sequencer_.pause();
   } else if (message.action == resume) {
-    if (refused_by_fault(frame) || refused_unless_homed(frame)) return;
+    if (refused_by_fault(frame) || refused_unless_homed(frame) ||
+        refused_without_reference(frame)) {
+      return;
+    }
     sequencer_.resume();
     credit_due_ = true;
   } else {

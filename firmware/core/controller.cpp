@@ -17,7 +17,7 @@ Controller::Controller(Board& board, PersistentLog& log, const Identity& identit
       identity_(identity),
       outputs_(board),
       motion_(board, axes),
-      sequencer_(board, motion_, outputs_),
+      sequencer_(board, motion_, outputs_, reference_),
       safety_(board, log, identity.boot_id),
       link_(board) {}
 
@@ -91,6 +91,14 @@ void Controller::watch_deadline() {
   ticked_ = true;
 }
 
+void Controller::watch_reference() {
+  board_->mask_interrupts();
+  reference_.watch(board_->reference_clock());
+  board_->unmask_interrupts();
+  if (safety_.latched(Fault::reference_lost) || !sequencer_.reference_missing()) return;
+  raise(Fault::reference_lost, static_cast<std::int32_t>(sequencer_.reference_state()));
+}
+
 bool Controller::persists(Fault fault) const {
   switch (fault) {
     case Fault::interlock:
@@ -153,6 +161,7 @@ void Controller::tick() {
   watch_deadline();
   motion_.tick();
   collect_faults();
+  watch_reference();
   follow_hand();
   if (!safety_.latched()) sequencer_.tick();
   send_what_is_due();

@@ -51,6 +51,8 @@ class Controller {
   void on_samples(std::span<const std::uint16_t> signal, std::span<const std::uint16_t> monitor) {
     sequencer_.on_samples(signal, monitor);
   }
+  /// Rising edge of the reference input at this tick of the reference clock; from an interrupt.
+  void on_reference_edge(std::uint32_t tick) { reference_.on_edge(tick); }
   /// The driver of an axis reports lost steps.
   void on_stall(int axis);
   /// Samples were lost.
@@ -95,6 +97,8 @@ class Controller {
   /// What caused the fault is still there.
   bool persists(protocol::Fault fault) const;
   void watch_deadline();
+  void watch_reference();
+  bool refused_without_reference(const FrameView& frame);
   void send_what_is_due();
   void send_records();
   void send_credit();
@@ -144,6 +148,7 @@ class Controller {
   Identity identity_;
   OpticsOutputs outputs_;
   Motion motion_;
+  ReferenceLock reference_;
   Sequencer sequencer_;
   Safety safety_;
   Link link_;

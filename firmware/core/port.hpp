@@ -61,11 +61,16 @@ class Board {
   virtual bool stalled(int axis) const = 0;
 
   /// Starts sampling both channels at `sample_rate_hz`, first sample now, with the modulation's
-  /// phase n * phase_step (mod 2^32) at sample n; the laser is on while that phase is below 2^31.
-  virtual void start_sampling(std::uint32_t phase_step) = 0;
+  /// phase n * phase_step (mod 2^32) at sample n; the laser is on while that phase is below 2^31,
+  /// so with step 0 always. Returns when sample 0 is taken, on the reference clock.
+  virtual std::uint32_t start_sampling(std::uint32_t phase_step) = 0;
   virtual void stop_sampling() = 0;
+  /// The reference clock now: counts at `reference_clock_hz`, modulo 2^32. At each rising edge of
+  /// the reference input the board calls `Controller::on_reference_edge` with its tick, within
+  /// 0.2 ms, from an interrupt that mask_interrupts() keeps out.
+  virtual std::uint32_t reference_clock() const = 0;
 
-  /// Keep the step and sample interrupts out for the few instructions in between.
+  /// Keep all interrupts out for the few instructions in between. Not nested.
   virtual void mask_interrupts() = 0;
   virtual void unmask_interrupts() = 0;
 

@@ -9,8 +9,9 @@ using protocol::Fault;
 using protocol::Refusal;
 
 bool Controller::lockin_allowed(const protocol::SetLockin& lockin) {
-  // The harmonic must lie below half the sample rate.
-  return std::uint64_t{lockin.harmonic} * lockin.reference_mhz < 500ull * sample_rate_hz;
+  // What comes in from outside is judged when it is there.
+  constexpr auto external = static_cast<std::uint8_t>(protocol::ReferenceSource::external);
+  return lockin.source == external || detectable(lockin.reference_mhz, lockin.harmonic);
 }
 
 SavedSettings Controller::settings_in_force() const {
@@ -57,7 +58,7 @@ void Controller::load_settings() {
 void Controller::handle(const FrameView& frame, const protocol::GetLockin&) {
   const protocol::SetLockin& now = sequencer_.settings();
   link_.reply(frame.sequence, protocol::LockinInfo{now.reference_mhz, now.harmonic, now.phase_udeg,
-                                                   now.settle_ms, now.blocks});
+                                                   now.settle_ms, now.blocks, now.source});
 }
 
 void Controller::handle(const FrameView& frame, const protocol::SaveSettings& message) {

@@ -26,9 +26,9 @@ inline constexpr std::uint32_t sram_base = 0x2000'0000, ccm_base = 0x1000'0000,
 inline constexpr std::size_t sram_size = 128 * 1024, ccm_size = 64 * 1024, system_size = 4096;
 
 /// Interrupt requests (RM0090 table 61).
-inline constexpr int irq_pvd = 1, irq_exti4 = 10, irq_adc = 18, irq_exti9_5 = 23, irq_tim2 = 28,
-                     irq_usart2 = 38, irq_exti15_10 = 40, irq_tim5 = 50, irq_tim8_cc = 46,
-                     irq_otg_fs = 67;
+inline constexpr int irq_pvd = 1, irq_exti4 = 10, irq_adc = 18, irq_exti9_5 = 23, irq_tim1_cc = 27,
+                     irq_tim2 = 28, irq_usart2 = 38, irq_exti15_10 = 40, irq_tim5 = 50,
+                     irq_tim8_cc = 46, irq_otg_fs = 67;
 inline constexpr std::array<int, 8> irq_dma1 = {11, 12, 13, 14, 15, 16, 17, 47};
 inline constexpr std::array<int, 8> irq_dma2 = {56, 57, 58, 59, 60, 68, 69, 70};
 
@@ -59,6 +59,16 @@ inline constexpr std::array<ChannelPin, 13> channel_pins = {{{2, 1, 0, 0, 1},
                                                              {5, 3, 0, 2, 2},
                                                              {5, 4, 0, 3, 2}}};
 
+/// Pins a capture channel can listen to.
+inline constexpr std::array<ChannelPin, 8> capture_pins = {{{1, 1, 0, 8, 1},
+                                                            {1, 1, 4, 9, 1},
+                                                            {1, 2, 0, 9, 1},
+                                                            {1, 2, 4, 11, 1},
+                                                            {1, 3, 0, 10, 1},
+                                                            {1, 3, 4, 13, 1},
+                                                            {1, 4, 0, 11, 1},
+                                                            {1, 4, 4, 14, 1}}};
+
 /// All that a reset begins anew.
 struct Stm32f407::Core final : Bus {
   explicit Core(Stm32f407& the_chip, Time now)
@@ -87,6 +97,8 @@ struct Stm32f407::Core final : Bus {
              [this](int stream, bool level) {
                nvic.set_line(irq_dma2[static_cast<std::size_t>(stream)], level);
              }),
+        tim1("TIM1", 0xFFFF, scheduler, [this] { return rcc.apb2_timer_cycle(); },
+             {.interrupt = line(irq_tim1_cc), .dma_request = {}, .trigger = {}, .on_output = {}}),
         tim2("TIM2", 0xFFFF'FFFF, scheduler, [this] { return rcc.apb1_timer_cycle(); },
              {.interrupt = line(irq_tim2),
               .dma_request = {},
@@ -121,7 +133,11 @@ struct Stm32f407::Core final : Bus {
                    chip.surroundings_->on_serial(byte, scheduler.now());
                  }}),
         iwdg(scheduler, [this] { watchdog_expired = true; }),
-        otg(line(irq_otg_fs)) {
+        otg(line(irq_otg_fs)),
+        change_slot(scheduler.add([this] {
+          chip.surroundings_->change(scheduler.now());
+          plan_change();
+        })) {
     scheduler.run_until(now);
     cpu.skip_to(now);
     for (int p = 0; p < 5; ++p) {
@@ -133,6 +149,12 @@ struct Stm32f407::Core final : Bus {
             pin, chip.driven_[static_cast<std::size_t>(p)][static_cast<std::size_t>(pin)]);
       }
     }
+    for (auto& each : ports) {
+      each->listen([this](int port_number, int pin, bool level) {
+        if (level) capture(port_number, pin);
+      });
+    }
+    plan_change();
     for (const ChannelPin& c : channel_pins) port(c.port).set_alternate(c.pin, c.alternate, false);
     dma1.on_enable([this](int) { usart2.on_stream_enabled(); });
     dma2.on_enable([this](int stream) {
@@ -160,6 +182,16 @@ struct Stm32f407::Core final : Bus {
       if (c.timer == timer && c.channel == channel)
         port(c.port).set_alternate(c.pin, c.alternate, level);
     }
+  }
+
+  void capture(int port_number, int pin) {
+    for (const ChannelPin& c : capture_pins) {
+      if (c.port == port_number && c.pin == pin && port(c.port).uses_alternate(pin, c.alternate))
+        tim1.rise(c.channel);
+    }
+  }
+  void plan_change() {
+    scheduler.set(change_slot, chip.surroundings_->next_change(scheduler.now()));
   }
 
   BusMaster master() {
@@ -228,6 +260,7 @@ struct Stm32f407::Core final : Bus {
              {0x4000'3000, 0x400, &iwdg, "IWDG", apb1, -1},
              {0x4000'4400, 0x400, &usart2, "USART2", apb1, 17},
              {0x4000'7000, 0x400, &pwr, "PWR", apb1, 28},
+             {0x4001'0000, 0x400, &tim1, "TIM1", apb2, 0},
              {0x4001'0400, 0x400, &tim8, "TIM8", apb2, 1},
              {0x4001'2000, 0x400, &adc, "ADC", apb2, 8},
              {0x4001'3800, 0x400, &syscfg, "SYSCFG", apb2, 14},
@@ -282,11 +315,12 @@ struct Stm32f407::Core final : Bus {
   Syscfg syscfg;
   std::vector<std::unique_ptr<Gpio>> ports;
   Dma dma1, dma2;
-  Timer tim2, tim5, tim8;
+  Timer tim1, tim2, tim5, tim8;
   Adc adc;
   Usart usart2;
   Iwdg iwdg;
   OtgFs otg;
+  Scheduler::Slot change_slot;
   std::vector<Mapped> table;
   const Mapped* last_mapped = nullptr;
   bool watchdog_expired = false;

@@ -30,6 +30,15 @@ bool Dma::request(int stream, unsigned channel) {
   return true;
 }
 
+bool Dma::fail(int stream) {
+  Stream& s = streams_[static_cast<std::size_t>(stream)];
+  if ((s.cr & enable) == 0) return false;
+  s.cr &= ~enable;
+  s.flags |= te_flag;
+  tell_interrupt(stream);
+  return true;
+}
+
 void Dma::transfer(Stream& s) {
   const unsigned bytes = 1u << (s.cr >> 11 & 3u);
   const std::uint32_t done = s.length - s.ndtr;

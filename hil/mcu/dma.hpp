@@ -23,6 +23,9 @@ class Dma : public Peripheral {
   /// A peripheral wired to `channel` of `stream` asks for one transfer; false when the stream is
   /// off or listens to another channel.
   bool request(int stream, unsigned channel);
+  /// The bus refuses the next transfer of a stream that is on, as memory that is not there would:
+  /// the stream goes off and its error flag comes (RM0090 10.3.19). False where it is off.
+  bool fail(int stream);
   /// `on_enable(stream)` is called when a stream is switched on: requests held by a peripheral are
   /// served then.
   void on_enable(std::function<void(int stream)> call) { on_enable_ = std::move(call); }

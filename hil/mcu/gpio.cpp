@@ -62,6 +62,7 @@ void Gpio::settle_pin(int pin) {
   shown_ = now ? shown_ | bit : shown_ & ~bit;
   outputs_ = out ? outputs_ | bit : outputs_ & ~bit;
   if (now != before) exti_->on_edge(port_, pin, now);
+  if (now != before && on_level_) on_level_(port_, pin, now);
   if (out || was_out) on_change_(port_, pin, out && now);
 }
 

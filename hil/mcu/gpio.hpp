@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <utility>
 
 #include "hil/mcu/peripheral.hpp"
 
@@ -21,6 +22,8 @@ class Gpio : public Peripheral {
   std::uint32_t read(std::uint32_t offset) override;
   void write(std::uint32_t offset, std::uint32_t value) override;
 
+  /// Told of every change of a pin's level, whoever drives it.
+  void listen(PinChange on_level) { on_level_ = std::move(on_level); }
   /// What the outside drives a pin to; empty: nothing, the pull decides.
   void drive(int pin, std::optional<bool> level);
   /// Output of the function `alternate` towards a pin, whether the pin uses it or not.
@@ -41,6 +44,7 @@ class Gpio : public Peripheral {
   int port_;
   Exti* exti_;
   PinChange on_change_;
+  PinChange on_level_;
   std::uint32_t moder_, otyper_ = 0, ospeedr_ = 0, pupdr_, odr_ = 0;
   std::array<std::uint32_t, 2> afr_{};
   std::array<std::optional<bool>, 16> driven_{};

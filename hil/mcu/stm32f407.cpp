@@ -160,6 +160,12 @@ void Stm32f407::overrun_adc() {
   if (core_) core_->adc.overrun();
 }
 
+bool Stm32f407::fail_serial_dma(bool sending) {
+  if (!core_) return false;
+  core_->scheduler.run_until(core_->cpu.now());
+  return core_->dma1.fail(sending ? usart2_tx_stream : usart2_rx_stream);
+}
+
 void Stm32f407::stand_still(Time duration) {
   stands_until_ = now() + duration;
 }

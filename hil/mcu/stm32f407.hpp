@@ -28,6 +28,13 @@ class Surroundings {
   virtual std::uint16_t analog(unsigned channel, Time now) = 0;
   /// USART2 has sent a byte.
   virtual void on_serial(std::uint8_t byte, Time now) = 0;
+  /// The next moment after `now` at which an input changes that must be exact; never: none does.
+  virtual Time next_change(Time now) {
+    (void)now;
+    return never;
+  }
+  /// That moment has come: drives the pin.
+  virtual void change(Time now) { (void)now; }
 };
 
 struct ChipOptions {
@@ -65,6 +72,9 @@ class Stm32f407 {
   void set_supply(std::uint32_t millivolts);
   /// The ADC reports an overrun.
   void overrun_adc();
+  /// The bus refuses a transfer of the serial line's stream, of what is sent or of what is
+  /// received; false when that stream is off.
+  bool fail_serial_dma(bool sending);
   /// The processor does nothing for so long, as one that hangs; the peripherals go on.
   void stand_still(Time duration);
   /// Bytes to USART2.

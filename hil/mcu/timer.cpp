@@ -45,7 +45,7 @@ void Timer::plan() {
   const std::uint64_t here = base_count_;
   std::uint64_t ticks = std::uint64_t{arr_} + 1 - std::min<std::uint64_t>(here, arr_);
   for (const Channel& channel : channels_) {
-    if (channel.compare > here && channel.compare <= arr_)
+    if (!channel.captures && channel.compare > here && channel.compare <= arr_)
       ticks = std::min(ticks, channel.compare - here);
   }
   scheduler_->set(slot_, base_time_ + ticks * tick_);
@@ -56,7 +56,8 @@ void Timer::happen() {
   set_count(now);
   if (now == 0) update();
   for (int channel = 1; channel <= 4; ++channel) {
-    if (channels_[static_cast<std::size_t>(channel - 1)].compare == now) match(channel);
+    const Channel& c = channels_[static_cast<std::size_t>(channel - 1)];
+    if (!c.captures && c.compare == now) match(channel);
   }
   plan();
   tell_interrupt();
@@ -70,6 +71,15 @@ void Timer::match(int channel) {
   show_outputs();
   sr_ |= 1u << channel;
   if ((dier_ >> (8 + channel) & 1u) != 0 && wires_.dma_request) wires_.dma_request(channel);
+}
+
+void Timer::rise(int channel) {
+  Channel& c = channels_[static_cast<std::size_t>(channel - 1)];
+  if (!c.captures || (ccer_ >> 4 * (channel - 1) & 1u) == 0) return;
+  if ((sr_ >> channel & 1u) != 0) sr_ |= 1u << (8 + channel);
+  c.compare = count();
+  sr_ |= 1u << channel;
+  tell_interrupt();
 }
 
 void Timer::update() {
@@ -95,8 +105,12 @@ void Timer::show_outputs() {
 void Timer::change_modes() {
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     const std::uint32_t field = ccmr_[i / 2] >> 8 * (i % 2) & 0xFFu;
-    if ((field & 3u) != 0) refuse_setting(name_, "CCMR (capture)", field);
     Channel& c = channels_[i];
+    c.captures = (field & 3u) == 1;
+    if (c.captures && field != 1)
+      refuse_setting(name_, "CCMR (filtered or divided capture)", field);
+    if ((field & 3u) > 1) refuse_setting(name_, "CCMR (capture of another input)", field);
+    if (c.captures) continue;
     c.mode = field >> 4 & 7u;
     if (c.mode > force_high) refuse_setting(name_, "CCMR (pulse-width modulation)", field);
     if (c.mode == force_low) c.reference = false;
@@ -106,7 +120,14 @@ void Timer::change_modes() {
 }
 
 std::uint32_t Timer::read(std::uint32_t offset) {
-  if (offset >= ccr1 && offset <= ccr4) return channels_[(offset - ccr1) / 4].compare;
+  if (offset >= ccr1 && offset <= ccr4) {
+    const std::uint32_t i = (offset - ccr1) / 4;
+    if (channels_[i].captures) {
+      sr_ &= ~(2u << i);
+      tell_interrupt();
+    }
+    return channels_[i].compare;
+  }
   switch (offset) {
     case cr1:
       return cr1_;

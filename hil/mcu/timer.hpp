@@ -1,6 +1,7 @@
-// A timer that counts up: TIM2 and TIM5 with 32 bits, TIM8 with 16 (RM0090 17, 18). Compare
-// channels with interrupt, DMA request and output; update with trigger. No capture, no down- or
-// one-pulse counting, no repetition.
+// A timer that counts up: TIM2 and TIM5 with 32 bits, TIM1 and TIM8 with 16 (RM0090 17, 18).
+// Channels compare, with interrupt, DMA request and output, or capture the rising edges of their
+// own input, with interrupt; update with trigger. No filter, prescaler or falling edge of a
+// capture, no down- or one-pulse counting, no repetition.
 #pragma once
 
 #include <array>
@@ -24,10 +25,13 @@ class Timer : public Peripheral {
 
   std::uint32_t read(std::uint32_t offset) override;
   void write(std::uint32_t offset, std::uint32_t value) override;
+  /// The input of a channel, 1 to 4, rises at the scheduler's now().
+  void rise(int channel);
 
  private:
   struct Channel {
-    std::uint32_t compare = 0;
+    std::uint32_t compare = 0;  ///< or what was captured
+    bool captures = false;
     unsigned mode = 0;  ///< OCxM
     bool reference = false;
     bool shown = false;

@@ -115,6 +115,18 @@ void add_surroundings(Collector& c, PlantConfig& p) {
         "rms phase noise of the light, new every 128 ADC samples");
   c.add("wander_deg", p.modulation.wander_deg, -90, 90, "deg", "slow swing of the light's phase");
   c.add("wander_period_s", p.modulation.wander_period_s, 1, 1e6, "s", "its period");
+  c.enter("chopper.");
+  c.add("frequency_hz", p.chopper.frequency_hz, 0, 50000, "Hz",
+        "chopper that turns by itself and gives the reference; 0 = none");
+  c.add("wander", p.chopper.wander, 0, 0.5, "1", "slow swing of its frequency, relative");
+  c.add("wander_period_s", p.chopper.wander_period_s, 0.1, 1e6, "s", "its period");
+  c.add("jitter_deg", p.chopper.jitter_deg, 0, 90, "deg",
+        "rms of the photo-interrupter's edges, each on its own");
+  c.add("edge_share", p.chopper.edge_share, 0, 0.5, "1",
+        "of a period that the blade's edge takes to cross the beam");
+  c.add("phase_deg", p.chopper.phase_deg, -180, 180, "deg",
+        "by which the light comes on before the edge");
+  c.add("stops_s", p.chopper.stops_s, 0, 1e6, "s", "when it stands still");
   c.enter("daylight.");
   c.add("level_v", p.daylight.level_v, 0, 100, "V", "unmodulated light at its brightest");
   c.add("compression_per_v", p.daylight.compression_per_v, 0, 10, "1/V",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <complex>
 #include <cstddef>
 #include <utility>
 
@@ -74,7 +75,8 @@ Plant::Plant(PlantSetup setup)
     : config_(std::move(setup.config)),
       own_sample_(std::move(setup.sample)),
       noise_seed_(derive_key(chance_seed(setup), 100)),
-      speckle_seed_(derive_key(setup.seed, 101)) {
+      speckle_seed_(derive_key(setup.seed, 101)),
+      chopper_(config_.chopper, derive_key(chance_seed(setup), 200)) {
   if (!own_sample_) throw Error("the instrument has no sample", "give a sample by name or file");
   set_sample(own_sample_);
   for (std::size_t i = 0; i < axis_count; ++i) {
@@ -338,9 +340,16 @@ ExpectedSignal Plant::expected(double time_s) const {
   const double wander_deg = phase_wander_deg(time_s);
   const double phase = optics::radians(a.phase_deg + wander_deg);
   const double pickup = a.pickup_v * gain / nominal;
-  return {amplitude * std::cos(phase) + pickup + motor_pickup_v() * gain / nominal,
-          amplitude * std::sin(phase) + pickup * a.pickup_y_fraction,
-          beams.monitor * std::cos(optics::radians(config_.monitor.phase_deg + wander_deg))};
+  const std::complex<double> signal{
+      amplitude * std::cos(phase) + pickup + motor_pickup_v() * gain / nominal,
+      amplitude * std::sin(phase) + pickup * a.pickup_y_fraction};
+  const auto monitor =
+      std::polar(beams.monitor, optics::radians(config_.monitor.phase_deg + wander_deg));
+  const std::complex<double> chopped =
+      chopper_.present()
+          ? std::polar(chopper_.fundamental(), optics::radians(config_.chopper.phase_deg))
+          : 1.0;
+  return {(signal * chopped).real(), (signal * chopped).imag(), (monitor * chopped).real()};
 }
 
 double Plant::phase_wander_deg(double time_s) const {
@@ -403,11 +412,28 @@ void Plant::sample(double start_time_s, double sample_rate_hz, std::uint64_t fir
     const std::uint64_t interval = n / slow_interval;
     const auto left = static_cast<std::size_t>((interval + 1) * slow_interval - n);
     const std::size_t count = std::min(left, signal.size() - done);
-    const Waves waves = waves_of({start_time_s, sample_rate_hz, interval});
+    const WavesOf where{start_time_s, sample_rate_hz, interval};
+    const Waves waves = waves_of(where);
+    if (chopper_.present()) {
+      for (std::size_t i = done; i < done + count; ++i) {
+        const bool light = static_cast<std::uint32_t>((first + i) * phase_step_) < 0x8000'0000u;
+        sample_chopped(waves, where, first + i, light, signal[i], monitor[i]);
+      }
+      done += count;
+      continue;
+    }
     synthesize(waves.signal, waves.monitor, waves.keys, phase_step_, n, signal.subspan(done, count),
                monitor.subspan(done, count));
     done += count;
   }
+}
+
+void Plant::sample_chopped(const Waves& waves, const WavesOf& where, std::uint64_t number,
+                           bool light, std::uint16_t& signal, std::uint16_t& monitor) const {
+  const double time_s = where.start_time_s + static_cast<double>(number) / where.sample_rate_hz;
+  const double open = light ? chopper_.opening(time_s) : -1.0;
+  const double ahead = light ? chopper_.opening(time_s, 0.25) : -1.0;
+  synthesize_chopped(waves.signal, waves.monitor, waves.keys, number, open, ahead, signal, monitor);
 }
 
 void Plant::sample_driven(double start_time_s, double sample_rate_hz, std::uint64_t number,
@@ -417,6 +443,7 @@ void Plant::sample_driven(double start_time_s, double sample_rate_hz, std::uint6
     waves_ = waves_of(where);
     waves_of_ = where;
   }
+  if (chopper_.present()) return sample_chopped(waves_, where, number, light, signal, monitor);
   const bool ahead = driven_.quarter_ahead(number, light);
   synthesize(waves_.signal, waves_.monitor, waves_.keys, number, light, ahead, signal, monitor);
 }

@@ -23,6 +23,7 @@
 #include <span>
 #include <vector>
 
+#include "hil/plant/chopper.hpp"
 #include "hil/plant/collection.hpp"
 #include "hil/plant/collection_memory.hpp"
 #include "hil/plant/driven_modulation.hpp"
@@ -74,6 +75,10 @@ class Plant {
   bool interlock_closed() const { return interlock_closed_; }
   /// Modulation: light is on while phase(n) = n · phase_step (mod 2^32) is below 2^31.
   void set_reference(std::uint32_t phase_step);
+  /// The photo-interrupter of the chopper: its first rising edge after `after_s`; infinite: none
+  /// comes. With a chopper in the beam the light of samples is what it lets pass of the modulated
+  /// light, so that a controller which detects against it leaves the modulation on.
+  double next_reference_edge(double after_s) const { return chopper_.next_edge_s(after_s); }
   /// Codes 0..4095 of samples first … first + n - 1 of the stream that began at `start_time_s`;
   /// sample n is taken n / sample_rate_hz later, at modulation phase n · phase_step.
   void sample(double start_time_s, double sample_rate_hz, std::uint64_t first,
@@ -137,6 +142,8 @@ class Plant {
   Stokes detection_row(int laser) const;
   double shutter_opening(double time_s) const;
   double gain_at_adc() const;
+  void sample_chopped(const Waves& waves, const WavesOf& where, std::uint64_t number, bool light,
+                      std::uint16_t& signal, std::uint16_t& monitor) const;
 
   PlantConfig config_;
   std::vector<Stage> stages_;
@@ -156,6 +163,7 @@ class Plant {
   double range_changed_s_ = -1e9;
   std::uint32_t phase_step_ = 0;
   DrivenModulation driven_;
+  Chopper chopper_;
   std::optional<WavesOf> waves_of_;
   Waves waves_;
 

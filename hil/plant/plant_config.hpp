@@ -142,6 +142,18 @@ struct ModulationConfig {
   double wander_period_s = 900;  ///< its period
 };
 
+/// A chopper with a drive of its own in the beam behind the lasers: it lets the light pass for half
+/// of each of its turns, and its photo-interrupter gives a rising edge where the light comes on.
+struct ChopperConfig {
+  double frequency_hz = 0.0;      ///< 0 = there is none
+  double wander = 0.0;            ///< relative amplitude of a slow swing of the frequency …
+  double wander_period_s = 20.0;  ///< … and its period
+  double jitter_deg = 0.0;        ///< rms of the photo-interrupter's edges, each on its own
+  double edge_share = 0.05;       ///< of a period that the blade's edge takes to cross the beam
+  double phase_deg = 0.0;         ///< by which the light comes on before the edge
+  double stops_s = 1e6;           ///< when it stands still
+};
+
 /// Unmodulated daylight on the photodiode: the lock-in does not see it, the photodiode's operating
 /// point does.
 struct DaylightConfig {
@@ -244,6 +256,7 @@ struct PlantConfig {
   ShutterConfig shutter;
   GhostConfig ghost;
   ModulationConfig modulation;
+  ChopperConfig chopper;
   DaylightConfig daylight;
   HumidityConfig humidity;
   DustConfig dust;

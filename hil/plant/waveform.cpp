@@ -1,6 +1,7 @@
 #include "hil/plant/waveform.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include "hil/plant/noise.hpp"
@@ -64,6 +65,27 @@ void synthesize(const ChannelWave& signal_wave, const ChannelWave& monitor_wave,
                 std::uint16_t& signal, std::uint16_t& monitor) {
   synthesize_one(signal_wave, monitor_wave, keys, GaussianTable::instance(), number, lit, ahead,
                  signal, monitor);
+}
+
+void synthesize_chopped(const ChannelWave& signal_wave, const ChannelWave& monitor_wave,
+                        const NoiseKeys& keys, std::uint64_t number, double open, double ahead,
+                        std::uint16_t& signal, std::uint16_t& monitor) {
+  const GaussianTable& normal = GaussianTable::instance();
+  const double share = 0.5 * (1.0 + open);
+  const double relative =
+      keys.light_rms == 0.0
+          ? 0.0
+          : share * keys.light_rms *
+                normal(static_cast<std::uint32_t>(random_bits(keys.light, number)));
+  const auto code = [&](const ChannelWave& wave, std::uint32_t bits) {
+    const double noise = std::sqrt(wave.noise_dark * wave.noise_dark * (1.0 - share) +
+                                   wave.noise_lit * wave.noise_lit * share);
+    return to_code(wave.offset + wave.in_phase * open + wave.quadrature * ahead +
+                   noise * normal(bits) + wave.light * relative);
+  };
+  const std::uint64_t bits = random_bits(keys.electronics, number);
+  signal = code(signal_wave, static_cast<std::uint32_t>(bits));
+  monitor = code(monitor_wave, static_cast<std::uint32_t>(bits >> 32));
 }
 
 }  // namespace umov::plant

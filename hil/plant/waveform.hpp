@@ -38,4 +38,10 @@ void synthesize(const ChannelWave& signal_wave, const ChannelWave& monitor_wave,
                 const NoiseKeys& keys, std::uint64_t number, bool lit, bool ahead,
                 std::uint16_t& signal, std::uint16_t& monitor);
 
+/// The same for one sample of light that passes a chopper: `open` from -1 (blocked) to 1, `ahead`
+/// what it will be a quarter period later.
+void synthesize_chopped(const ChannelWave& signal_wave, const ChannelWave& monitor_wave,
+                        const NoiseKeys& keys, std::uint64_t number, double open, double ahead,
+                        std::uint16_t& signal, std::uint16_t& monitor);
+
 }  // namespace umov::plant

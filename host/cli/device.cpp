@@ -63,6 +63,8 @@ json status_json(const protocol::Status& status) {
           {"homed_mask", status.homed_mask},
           {"program_id", status.program_id},
           {"records_waiting", status.next_record - status.first_unacknowledged},
+          {"reference_input", instrument::reference_state_name(status.reference_state)},
+          {"reference_input_hz", 1e-3 * status.reference_mhz},
           {"position_deg", positions}};
 }
 
@@ -113,7 +115,9 @@ void info(const Options& options, const Common& common) {
   fmt::print("\n  state {}, fault {}, interlock {}\n", instrument::state_name(status.state),
              instrument::fault_name(status.fault),
              status.interlock_closed != 0 ? "closed" : "open");
-  fmt::print("  {:<10} {:>10} {:>8} {:>8} {:>9} {:>7}\n", "axis", "position/°", "min/°", "max/°",
+  fmt::print("  reference input {}", instrument::reference_state_name(status.reference_state));
+  if (status.reference_mhz != 0) fmt::print(" at {:.3f} Hz", 1e-3 * status.reference_mhz);
+  fmt::print("\n  {:<10} {:>10} {:>8} {:>8} {:>9} {:>7}\n", "axis", "position/°", "min/°", "max/°",
              "speed °/s", "homed");
   for (std::size_t axis = 0; axis < axes.size(); ++axis) {
     fmt::print("  {:<10} {:>10.3f} {:>8g} {:>8g} {:>9g} {:>7}\n",

@@ -1,7 +1,9 @@
 #include "host/cli/device_config.hpp"
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -36,8 +38,11 @@ json axis_json(const protocol::AxisInfo& now) {
           {"take_up_deg", 1e-6 * now.take_up_udeg}};
 }
 
+constexpr auto external = static_cast<std::uint8_t>(protocol::ReferenceSource::external);
+
 json lockin_json(const protocol::LockinInfo& now) {
-  return {{"reference_hz", 1e-3 * now.reference_mhz},
+  return {{"reference_source", now.source == external ? "external" : "internal"},
+          {"reference_hz", 1e-3 * now.reference_mhz},
           {"harmonic", now.harmonic},
           {"phase_deg", 1e-6 * now.phase_udeg},
           {"settle_ms", now.settle_ms},
@@ -73,12 +78,29 @@ std::pair<std::string, double> setting_of(const std::string& text, const char* e
   return {text.substr(0, equals), finite_number(text.substr(equals + 1), "a number", example)};
 }
 
+/// What "reference_source=…" asks for; nothing where `setting` sets something else.
+std::optional<std::uint8_t> source_of(const std::string& setting) {
+  constexpr std::string_view key = "reference_source=";
+  if (!setting.starts_with(key)) return std::nullopt;
+  const std::string value = setting.substr(key.size());
+  if (value == "external") return external;
+  if (value == "internal") return std::uint8_t{0};
+  throw Error(
+      fmt::format("'{}' is no source of a reference", value),
+      "write reference_source=internal (the modulation output) or reference_source=external "
+      "(the reference input)");
+}
+
 void set_lockin(const Options& options, const Common& common) {
   auto session = open_session(options.device, common);
   const auto now = session.request(protocol::GetLockin{});
-  protocol::SetLockin set{now.reference_mhz, now.harmonic, now.phase_udeg, now.settle_ms,
-                          now.blocks};
+  protocol::SetLockin set{now.reference_mhz, now.harmonic, now.phase_udeg,
+                          now.settle_ms,     now.blocks,   now.source};
   for (const auto& setting : options.settings) {
+    if (const auto source = source_of(setting)) {
+      set.source = *source;
+      continue;
+    }
     const auto [key, value] = setting_of(setting, "write for instance reference_hz=1000");
     if (key == "reference_hz")
       set.reference_mhz = scaled_integer<std::uint32_t>(value, 1e3, key);
@@ -92,7 +114,8 @@ void set_lockin(const Options& options, const Common& common) {
       set.blocks = scaled_integer<std::uint8_t>(value, 1, key);
     else
       throw Error(fmt::format("the lock-in has no setting '{}'", key),
-                  "settings are reference_hz, harmonic, phase_deg, settle_ms, blocks");
+                  "settings are reference_source, reference_hz, harmonic, phase_deg, settle_ms, "
+                  "blocks");
   }
   session.request(set);
   print(lockin_json(session.request(protocol::GetLockin{})), common);

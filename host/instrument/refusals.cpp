@@ -19,7 +19,7 @@ struct FaultText {
 };
 
 // In the order of protocol::Fault.
-constexpr std::array<FaultText, 16> fault_texts{{
+constexpr std::array<FaultText, 17> fault_texts{{
     {"none", "no fault is latched", "nothing to do"},
     {"interlock", "the interlock opened",
      "close the enclosure and clear the fault: umov device log --clear"},
@@ -61,8 +61,11 @@ constexpr std::array<FaultText, 16> fault_texts{{
      "the image before the running one could not be kept: part of the flash memory is worn out",
      "clear the fault (umov device log --clear) and go on; should the running image ever fail, the "
      "boot loader waits for another (umov device flash)"},
+    {"reference_lost", "the external reference went away in the middle of a scan",
+     "look at chopper and cable (umov device info shows what comes in), clear the fault (umov "
+     "device log --clear) and resume"},
 }};
-static_assert(fault_texts.size() == static_cast<std::size_t>(protocol::Fault::no_fallback) + 1);
+static_assert(fault_texts.size() == static_cast<std::size_t>(protocol::Fault::reference_lost) + 1);
 
 std::string axis_or_nothing(std::int32_t detail) {
   return detail >= 0 && detail < protocol::axis_count ? " (" + axis_name(detail) + ")" : "";
@@ -82,6 +85,18 @@ std::string roll_back_text(std::int32_t detail) {
       return image + " failed its trial: it was reset by hand";
   }
   return image + ": reason " + std::to_string(detail >> 24);
+}
+
+std::string_view reference_problem(std::int32_t state) {
+  switch (static_cast<protocol::ReferenceState>(state)) {
+    case protocol::ReferenceState::unsteady:
+      return "the edges at its reference input do not come at a steady period";
+    case protocol::ReferenceState::out_of_range:
+      return "the external reference is slower than 10 Hz, faster than 20 kHz, or too fast for the "
+             "harmonic";
+    default:
+      return "no edges come in at its reference input";
+  }
 }
 
 struct RefusalText {
@@ -126,6 +141,10 @@ RefusalText refusal_text(const protocol::ErrorReply& reply) {
     case Refusal::not_stored:
       return {"it could not store that",
               "check its supply voltage and repeat; if it stays so, its flash memory is worn out"};
+    case Refusal::no_reference:
+      return {std::string(reference_problem(reply.detail)),
+              "start the chopper and look at umov device info, or detect against the modulation "
+              "output (reference_source internal)"};
   }
   return {"reason " + std::to_string(reply.code) + ", unknown to this program",
           "use the program release that fits the firmware"};
@@ -170,6 +189,13 @@ std::string state_name(std::uint8_t state) {
       "idle",   "homing",           "moving",           "scanning",
       "paused", "waiting_for_rows", "waiting_for_host", "safe"};
   static_assert(names.size() == static_cast<std::size_t>(protocol::State::safe) + 1);
+  if (state < names.size()) return std::string(names[state]);
+  return "state " + std::to_string(state);
+}
+
+std::string reference_state_name(std::uint8_t state) {
+  constexpr std::array<std::string_view, 4> names{"absent", "unsteady", "out_of_range", "locked"};
+  static_assert(names.size() == static_cast<std::size_t>(protocol::ReferenceState::locked) + 1);
   if (state < names.size()) return std::string(names[state]);
   return "state " + std::to_string(state);
 }

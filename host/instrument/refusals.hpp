@@ -22,6 +22,8 @@ std::string fault_detail(std::uint8_t fault, std::int32_t detail);
 
 /// Name of a state, such as "waiting_for_rows".
 std::string state_name(std::uint8_t state);
+/// Of protocol::ReferenceState: what comes in at the reference input.
+std::string reference_state_name(std::uint8_t state);
 /// Name of an axis, 0 … 5, such as "detector".
 std::string axis_name(int axis);
 

@@ -83,11 +83,12 @@ struct Plan {
   Grid grid;
   bool main = true;  ///< the plan's own grid is measured; false: its blocks alone
   std::vector<MenuBlock> blocks;
-  int gain = gain_auto;          ///< 1, 10, 100, 1000 or gain_auto
-  double solid_angle_sr = 1e-4;  ///< detector aperture seen from the sample
-  double reference_hz = 1000;    ///< modulation
-  int settle_ms = 20;            ///< wait after moves before integrating
-  std::uint64_t seed = 1;        ///< of the random order
+  int gain = gain_auto;             ///< 1, 10, 100, 1000 or gain_auto
+  double solid_angle_sr = 1e-4;     ///< detector aperture seen from the sample
+  double reference_hz = 1000;       ///< modulation; of no effect with an external reference
+  bool external_reference = false;  ///< detection against the reference input
+  int settle_ms = 20;               ///< wait after moves before integrating
+  std::uint64_t seed = 1;           ///< of the random order
   /// White standard: DHR by wavelength (nm), its one-sigma uncertainty (absolute), a BRDF file.
   std::vector<std::pair<double, double>> reference_dhr;
   std::optional<double> reference_dhr_u;

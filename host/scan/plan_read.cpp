@@ -241,6 +241,13 @@ Plan read_plan(const toml::table& root, Plan plan) {
     plan.solid_angle_sr = *value;
   if (const auto value = table.number("reference_hz", {10, 20000, "Hz"}))
     plan.reference_hz = *value;
+  if (const auto source = table.choice("reference_source", {"internal", "external"}))
+    plan.external_reference = *source == "external";
+  if (const auto* node = root.get("reference_hz"); node != nullptr && plan.external_reference) {
+    throw Error(Place{plan.name, line_of(*node), "reference_hz"},
+                "has no effect on an external reference, which comes as it comes",
+                "leave it out, or choose reference_source = \"internal\"");
+  }
   if (const auto value = table.integer("settle_ms", {0, 10000, "ms"}))
     plan.settle_ms = static_cast<int>(*value);
   if (const auto value = table.integer("seed", {0, 9e15, ""}))

@@ -205,6 +205,7 @@ std::uint32_t program_id(const Plan& plan) {
   };
   for (const auto& [key, value] : header_keys(plan)) meaning += key + '=' + value + '\n';
   add(plan.reference_hz);
+  if (plan.external_reference) meaning += "external reference ";
   add(plan.settle_ms);
   const Program program = expand(plan);
   for (const formats::Block& block : program.blocks) {

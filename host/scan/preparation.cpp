@@ -18,6 +18,8 @@ using instrument::Session;
 constexpr std::uint8_t all_axes = 0x3f;
 /// How long a controller may take to come to rest, microseconds of the link's clock.
 constexpr std::uint64_t rest_limit_us = 20'000'000;
+/// And an external reference to be steady.
+constexpr std::uint64_t reference_limit_us = 10'000'000;
 
 class Preparation {
  public:
@@ -46,8 +48,11 @@ class Preparation {
     lockin.harmonic = 1;
     lockin.settle_ms = static_cast<std::uint16_t>(plan_.settle_ms);
     lockin.blocks = 10;
+    lockin.source =
+        static_cast<std::uint8_t>(plan_.external_reference ? protocol::ReferenceSource::external
+                                                           : protocol::ReferenceSource::internal);
     session.request(lockin);
-    return true;
+    return !plan_.external_reference || wait_for_reference(session);
   }
 
  private:
@@ -104,6 +109,20 @@ class Preparation {
       }
       let_work(session);
     }
+  }
+
+  /// A chopper may still be getting up to speed. Without it in time the controller refuses the
+  /// program and says what is wrong. False when the scan was called off meanwhile.
+  bool wait_for_reference(Session& session) {
+    constexpr auto locked = static_cast<std::uint8_t>(protocol::ReferenceState::locked);
+    const auto deadline = session.clock_us() + reference_limit_us;
+    while (session.request(protocol::GetStatus{}).reference_state != locked) {
+      if (session.clock_us() >= deadline) return true;
+      if (options_.note) options_.note("waiting for the external reference");
+      if (!options_.wanted()) return false;
+      let_work(session);
+    }
+    return true;
   }
 
   /// False when the scan was called off meanwhile.

@@ -89,6 +89,7 @@ std::string settings_text(const TimeBase& base, const Plan& plan,
                           const protocol::HelloReply& device) {
   return nlohmann::json{{"boot_id", base.boot_id},
                         {"start_us", base.start_us},
+                        {"reference_source", plan.external_reference ? "external" : "internal"},
                         {"reference_hz", plan.reference_hz},
                         {"settle_ms", plan.settle_ms},
                         {"sample_rate_hz", device.sample_rate_hz},

@@ -91,19 +91,26 @@ std::string enumeration_section() {
                                            "settings_corrupt",
                                            "over_temperature",
                                            "rolled_back",
-                                           "no_fallback"};
-  static_assert(std::size(faults) == static_cast<std::size_t>(Fault::no_fallback) + 1);
+                                           "no_fallback",
+                                           "reference_lost"};
+  static_assert(std::size(faults) == static_cast<std::size_t>(Fault::reference_lost) + 1);
   static constexpr const char* states[] = {
       "idle",   "homing",           "moving",           "scanning",
       "paused", "waiting_for_rows", "waiting_for_host", "safe"};
   static_assert(std::size(states) == static_cast<std::size_t>(State::safe) + 1);
-  static constexpr const char* refusals[] = {"none",         "unknown_message", "bad_length",
-                                             "out_of_range", "wrong_state",     "fault_active",
-                                             "not_homed",    "outside_limits",  "schema_mismatch",
-                                             "busy",         "stale_program",   "not_stored"};
-  static_assert(std::size(refusals) == static_cast<std::size_t>(Refusal::not_stored) + 1);
+  static constexpr const char* refusals[] = {
+      "none",          "unknown_message", "bad_length",     "out_of_range",    "wrong_state",
+      "fault_active",  "not_homed",       "outside_limits", "schema_mismatch", "busy",
+      "stale_program", "not_stored",      "no_reference"};
+  static_assert(std::size(refusals) == static_cast<std::size_t>(Refusal::no_reference) + 1);
+  static constexpr const char* sources[] = {"internal", "external"};
+  static_assert(std::size(sources) == static_cast<std::size_t>(ReferenceSource::external) + 1);
+  static constexpr const char* references[] = {"absent", "unsteady", "out_of_range", "locked"};
+  static_assert(std::size(references) == static_cast<std::size_t>(ReferenceState::locked) + 1);
   return "## Enumerations\n\n- Axis: " + enumerated(axes) + "\n- Fault: " + enumerated(faults) +
          "\n- State: " + enumerated(states) + "\n- Refusal: " + enumerated(refusals) +
+         "\n- ReferenceSource: " + enumerated(sources) +
+         "\n- ReferenceState: " + enumerated(references) +
          "\n- Gain request: 0 … 3 = range 1, 10, 100, 1000; 255 = automatic\n"
          "- Polariser or analyser position −2147483648: element moved out of the beam (open)\n\n";
 }

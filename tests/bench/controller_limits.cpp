@@ -13,6 +13,7 @@
 #include "boards/native/native_board.hpp"
 #include "firmware/core/lockin/integrator.hpp"
 #include "firmware/core/lockin/sine.hpp"
+#include "firmware/core/motion/stopping_distance.hpp"
 #include "hil/mcu/board/mcu_board.hpp"
 #include "host/instrument/program_stream.hpp"
 #include "tests/unit/instrument/simulated_link.hpp"
@@ -110,7 +111,7 @@ void count_steps(const std::string& image, double wanted) {
       Rig::name, steps, moves, stops);
 }
 
-/// Ways beyond a limit switch that is met at full speed, as shares of v²/2a + va/2j.
+/// Ways beyond a limit switch that is met at full speed, as shares of the stopping distance.
 template <class Rig>
 void run_into_limits(const std::string& image, int times) {
   Rig rig(image);
@@ -134,15 +135,14 @@ void run_into_limits(const std::string& image, int times) {
     const auto status = session.request(protocol::GetStatus{});
     require(status.fault == limit, "no limit was met");
     const double way = 1e-3 * (rig.stages().position[1] - rig.stages().upper);
-    const double full = std::min(speed, acceleration * acceleration / jerk);
-    const double ramp = speed >= acceleration * acceleration / jerk
-                            ? speed * speed / (2 * acceleration) + speed * acceleration / (2 * jerk)
-                            : full * std::sqrt(full / jerk);
-    // Found in a step, planned in the next tick, begun half a millisecond later.
-    const double allowed = ramp + speed * 3e-3 + 2e-3;
+    firmware::AxisSettings axis = firmware::default_axes[1];
+    axis.speed_mdeg_s = static_cast<std::uint32_t>(1000 * speed);
+    axis.acceleration_mdeg_s2 = static_cast<std::uint32_t>(1000 * acceleration);
+    axis.jerk_mdeg_s3 = static_cast<std::uint32_t>(1000 * jerk);
+    const double allowed = 1e-6 * static_cast<double>(firmware::stopping_distance_udeg(axis));
     require(way <= allowed, "the way beyond a limit");
     require(status.position_udeg[1] == rig.stages().position[1] * 1000, "position at a limit");
-    worst = std::max(worst, way / ramp);
+    worst = std::max(worst, way / allowed);
     longest = std::max(longest, way);
     rig.stages().upper = 2'000'000;
     rig.run_for(50'000);
@@ -152,7 +152,8 @@ void run_into_limits(const std::string& image, int times) {
   }
   std::printf(
       "| limit switches met at speed, %s | %d, 10 to 100 °/s, 200 to 1,200 °/s², 4,000 to "
-      "24,000 °/s³ | way beyond at most %.3f of the configured ramp (%.2f°), position right |\n",
+      "24,000 °/s³ | way beyond at most %.3f of the stopping distance (longest %.2f°), position "
+      "right |\n",
       Rig::name, times, worst, longest);
 }
 

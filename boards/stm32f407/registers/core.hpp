@@ -31,6 +31,7 @@ enum class Irq : unsigned {
   dma1_stream6 = 17,
   adc = 18,
   exti9_5 = 23,
+  tim1_cc = 27,
   tim2 = 28,
   exti15_10 = 40,
   tim5 = 50,

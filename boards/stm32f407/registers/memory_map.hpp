@@ -14,6 +14,7 @@ inline constexpr std::uintptr_t tim5 = 0x4000'0C00;
 inline constexpr std::uintptr_t iwdg = 0x4000'3000;
 inline constexpr std::uintptr_t usart2 = 0x4000'4400;
 inline constexpr std::uintptr_t pwr = 0x4000'7000;
+inline constexpr std::uintptr_t tim1 = 0x4001'0000;
 inline constexpr std::uintptr_t tim8 = 0x4001'0400;
 inline constexpr std::uintptr_t adc1 = 0x4001'2000;
 inline constexpr std::uintptr_t adc2 = 0x4001'2100;

@@ -37,7 +37,7 @@ inline constexpr std::uint32_t OTGFSEN = bit(7);
 inline constexpr std::uint32_t TIM2EN = bit(0), TIM5EN = bit(3), USART2EN = bit(17),
                                PWREN = bit(28);
 // APB2ENR
-inline constexpr std::uint32_t TIM8EN = bit(1), ADC1EN = bit(8), ADC2EN = bit(9),
+inline constexpr std::uint32_t TIM1EN = bit(0), TIM8EN = bit(1), ADC1EN = bit(8), ADC2EN = bit(9),
                                SYSCFGEN = bit(14);
 // CSR
 inline constexpr std::uint32_t RMVF = bit(24), BORRSTF = bit(25), PINRSTF = bit(26),

@@ -1,4 +1,5 @@
-// Timers: advanced-control TIM8 (RM0090 17.4), general-purpose 32-bit TIM2 and TIM5 (18.4).
+// Timers: advanced-control TIM1 and TIM8 (RM0090 17.4), general-purpose 32-bit TIM2 and TIM5
+// (18.4).
 #pragma once
 
 #include "boards/stm32f407/registers/access.hpp"
@@ -12,6 +13,9 @@ struct TimerRegisters {
 };
 static_assert(sizeof(TimerRegisters) == 0x54);
 
+inline TimerRegisters& tim1() {
+  return at<TimerRegisters>(memory_map::tim1);
+}
 inline TimerRegisters& tim2() {
   return at<TimerRegisters>(memory_map::tim2);
 }
@@ -32,7 +36,13 @@ inline constexpr std::uint32_t CC1DE = bit(9);                             // DI
 constexpr std::uint32_t CC(unsigned channel) {
   return bit(channel);
 }
-/// Output enable of a channel in CCER.
+/// SR: a second capture before the first one was read.
+constexpr std::uint32_t CCOF(unsigned channel) {
+  return bit(8 + channel);
+}
+/// CCxS of an odd channel's half of CCMR: captures its own input, each edge, unfiltered.
+inline constexpr std::uint32_t IC_OWN_INPUT = 1;
+/// Enable of a channel's output, or capture, in CCER.
 constexpr std::uint32_t CCE(unsigned channel) {
   return bit(4 * (channel - 1));
 }

@@ -20,10 +20,13 @@ STEP_TIMER = {
     "PA5": (2, 1), "PB3": (2, 2), "PB10": (2, 3), "PB11": (2, 4),
     "PA0": (5, 1), "PA1": (5, 2),
 }
+# Capture inputs of TIM1, alternate function 1: pin -> channel.
+CAPTURE_CHANNEL = {"PA8": 1, "PE9": 1, "PA9": 2, "PE11": 2, "PA10": 3, "PE13": 3, "PA11": 4, "PE14": 4}
 # ADC inputs (datasheet table 7).
 ADC_CHANNEL = {f"PC{n}": 10 + n for n in range(6)} | {"PB0": 8, "PB1": 9} | {f"PA{n}": n for n in range(8)}
 SAFETY = ["interlock", "emergency", "cool"]
-OPTICS = ["laser_1", "laser_2", "laser_3", "shutter", "gain_0", "gain_1", "modulation", "signal", "monitor"]
+OPTICS = ["laser_1", "laser_2", "laser_3", "shutter", "gain_0", "gain_1", "modulation", "reference", "signal",
+          "monitor"]
 AXIS_PINS = ["step", "direction", "home", "lower_limit", "upper_limit", "stall"]
 MEANING = {
     "tx": ("out", "USART2 TX, 3.3 V"), "rx": ("in", "USART2 RX, 3.3 V"),
@@ -31,6 +34,7 @@ MEANING = {
     "laser_3": ("out", "814 nm enable, high = on"), "shutter": ("out", "high = open"),
     "gain_0": ("out", "amplifier range, bit 0"), "gain_1": ("out", "amplifier range, bit 1"),
     "modulation": ("out", "reference: gates the enabled laser, high = light"),
+    "reference": ("in, pulled down", "external reference, rising edge where the light comes on"),
     "signal": ("analog", "photodiode amplifier, 0 to 3.3 V, rests at 1.65 V"),
     "monitor": ("analog", "monitor amplifier, 0 to 3.3 V, rests at 1.65 V"),
     "interlock": ("in, pulled down", "high = closed; a broken wire is an open interlock"),
@@ -46,6 +50,10 @@ MEANING = {
     "upper_limit": ("in, pulled up", "upper limit, normally closed to ground"),
     "stall": ("in, pulled down", "driver reports lost steps, rising edge"),
 }
+
+
+# stop_delay_us of firmware/core/config/design_parameters.hpp.
+STOP_DELAY_S = 0.002
 
 
 class Refused(Exception):
@@ -81,13 +89,18 @@ def check(board):
         if line in stalls or line < 4 or line > 9:
             raise Refused(f"{axis['name']}.stall: needs an EXTI line 4 to 9 of its own")
         stalls[line] = axis["name"]
-        steps_per_turn(axis)
+        room, needed = Fraction(str(axis["overrun_deg"])), stopping_deg(axis)
+        if needed > room:
+            raise Refused(f"{axis['name']}.overrun_deg: {float(room):g} degrees beyond a limit switch, but it needs "
+                          f"{needed:.2f} to stop from {axis['speed_deg_s']} degrees/s")
     lines = {}
     for role in SAFETY:
         line = int(board["safety"][role][2:])
         if line in lines or line < 10:
             raise Refused(f"safety.{role}: needs an EXTI line 10 to 15 of its own")
         lines[line] = role
+    if board["optics"]["reference"] not in CAPTURE_CHANNEL:
+        raise Refused(f"optics.reference: {board['optics']['reference']} is no input of TIM1")
     for role in ("signal", "monitor"):
         if board["optics"][role] not in ADC_CHANNEL:
             raise Refused(f"optics.{role}: {board['optics'][role]} is no input of ADC1 and ADC2")
@@ -98,6 +111,13 @@ def steps_per_turn(axis):
     if steps.denominator != 1:
         raise Refused(f"{axis['name']}: {float(steps)} steps a turn are not whole")
     return int(steps)
+
+
+def stopping_deg(axis):
+    """Way beyond a limit switch, as firmware/core/motion/stopping_distance.hpp has it (a test compares the two)."""
+    v, a, j = (float(axis[key]) for key in ("speed_deg_s", "acceleration_deg_s2", "jerk_deg_s3"))
+    ramp = v * v / (2 * a) + v * a / (2 * j) if v * j >= a * a else v * (v / j) ** 0.5
+    return ramp + v * STOP_DELAY_S + 360 / steps_per_turn(axis)
 
 
 def pin_text(pin):
@@ -134,6 +154,8 @@ def header(board):
     for role in ("signal", "monitor"):
         out.append(f"inline constexpr AnalogInput {role}_input{{{pin_text(optics[role])}, "
                    f"{ADC_CHANNEL[optics[role]]}}};")
+    out.append(f"inline constexpr CaptureInput reference_input{{{pin_text(optics['reference'])}, "
+               f"{CAPTURE_CHANNEL[optics['reference']]}}};")
     for role in ("usb_dm", "usb_dp"):
         out.append(f"inline constexpr Pin {role}_pin{pin_text(board['usb'][role])};")
     for role in SAFETY:
@@ -166,11 +188,13 @@ def wiring_table(board):
         kind, meaning = MEANING[role]
         rows.append(f"| {pin} | {owner} | `{role}` | {kind} | "
                     f"{meaning.format(pulse=board['board']['step_pulse_us'])} |")
-    rows += ["", "| axis | steps/turn | limits | speed | acceleration | jerk |", "|---|---|---|---|---|---|"]
+    rows += ["", "| axis | steps/turn | limits | speed | acceleration | jerk | stops beyond a limit switch within | room there |",
+             "|---|---|---|---|---|---|---|---|"]
     for axis in board["axis"]:
         rows.append(f"| {axis['name']} | {steps_per_turn(axis)} = {axis['motor_steps']} × {axis['microsteps']} × "
                     f"{axis['gear']} | {axis['min_deg']}° to {axis['max_deg']}° | {axis['speed_deg_s']} °/s | "
-                    f"{axis['acceleration_deg_s2']} °/s² | {axis['jerk_deg_s3']} °/s³ |")
+                    f"{axis['acceleration_deg_s2']} °/s² | {axis['jerk_deg_s3']} °/s³ | {stopping_deg(axis):.2f}° | "
+                    f"{axis['overrun_deg']}° |")
     return "\n".join(rows)
 
 

@@ -17,7 +17,20 @@ inline constexpr std::uint32_t crawl_ticks = step_timer_hz / 50;
 /// Time the core takes to plan a stop while steps go on.
 inline constexpr std::uint32_t stop_planning_ticks = step_timer_hz / 2000;
 
+/// From a step that meets a limit switch until the axis slows down: a tick in which that is noticed,
+/// the time to plan, and as much again for a tick that comes late.
+inline constexpr std::uint64_t stop_delay_us = 2'000;
+
 inline constexpr std::uint32_t sample_rate_hz = 100'000;
+/// Clock of the edges of an external reference: a tick is 7e-4 rad at 20 kHz; 32 bits of it last
+/// 25 s.
+inline constexpr std::uint32_t reference_clock_hz = 168'000'000;
+inline constexpr std::uint32_t reference_ticks_per_sample = reference_clock_hz / sample_rate_hz;
+static_assert(reference_ticks_per_sample * sample_rate_hz == reference_clock_hz);
+/// Frequencies of an external reference: those of the modulation and a hundredth more, so that one
+/// at the end of the range is not lost for its jitter.
+inline constexpr std::uint32_t lowest_reference_mhz = 9'900;
+inline constexpr std::uint32_t highest_reference_mhz = 20'200'000;
 inline constexpr std::uint16_t adc_codes = 4096;
 inline constexpr int adc_middle = 2048;
 /// 3.3 V over 4096 codes.
@@ -29,6 +42,10 @@ inline constexpr std::array<std::uint16_t, 6> filter_od_milli = {0, 1000, 2000, 
 /// Rows and records held. With 32 ms a row, 128 rows bridge a host that is busy for 4 s.
 inline constexpr std::uint32_t row_capacity = 128;
 inline constexpr std::uint32_t record_capacity = 192;
+
+/// A program that waits for rows or for room waits in the light for so long, then in the dark: long
+/// enough for every hitch of a host, which would cost a laser's settling.
+inline constexpr std::uint64_t lit_wait_us = 1'000'000;
 
 /// Room in the transmit buffer that is left to replies: eight of the longest.
 inline constexpr std::uint32_t reply_reserve_bytes = 1100;
@@ -53,8 +70,12 @@ inline constexpr std::uint32_t late_step_ticks = step_timer_hz / 50'000;
 inline constexpr std::uint64_t tick_limit_us = 20'000;
 
 /// Defaults of the lock-in (set_lockin changes them). 1 kHz is 100 samples a period.
-inline constexpr protocol::SetLockin default_lockin{
-    .reference_mhz = 1'000'000, .harmonic = 1, .phase_udeg = 0, .settle_ms = 20, .blocks = 10};
+inline constexpr protocol::SetLockin default_lockin{.reference_mhz = 1'000'000,
+                                                    .harmonic = 1,
+                                                    .phase_udeg = 0,
+                                                    .settle_ms = 20,
+                                                    .blocks = 10,
+                                                    .source = 0};
 
 /// Static RAM the core may take; the board's own buffers and stacks share the 64 KB with it.
 inline constexpr std::uint32_t ram_budget_bytes = 40 * 1024;

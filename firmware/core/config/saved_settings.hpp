@@ -17,11 +17,11 @@ struct SavedSettings {
 };
 
 /// To be counted up whenever the bytes below get another meaning.
-inline constexpr std::uint16_t settings_layout = 1;
+inline constexpr std::uint16_t settings_layout = 2;
 inline constexpr std::size_t settings_bytes =
     protocol::axis_count * protocol::wire_size<protocol::SetAxis> +
     protocol::wire_size<protocol::SetLockin>;
-static_assert(settings_bytes == 162, "other settings need another settings_layout");
+static_assert(settings_bytes == 163, "other settings need another settings_layout");
 
 using SettingsBytes = std::array<std::uint8_t, settings_bytes>;
 

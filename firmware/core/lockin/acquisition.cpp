@@ -4,13 +4,27 @@
 
 namespace umov::firmware {
 
-void Acquisition::begin(const Detection& detection, const RecordPlan& plan, AutoRange& range) {
+void Acquisition::begin(std::uint32_t lead_in, AutoRange& range, bool external) {
   range_ = &range;
-  lead_in_ = lead_in_left_ = plan.lead_in;
-  samples_ = plan.samples();
+  external_ = external;
+  lead_in_ = lead_in_left_ = lead_in;
+  next_sample_ = 0;
   peak_ = 0;
   clipped_ = false;
+}
+
+void Acquisition::begin(const Detection& detection, const RecordPlan& plan, AutoRange& range) {
+  begin(plan.lead_in, range, false);
+  samples_ = plan.samples();
   integrator_.begin(detection, plan, plan.lead_in);
+  outcome_.store(Outcome::running, std::memory_order_release);
+}
+
+void Acquisition::begin(const Detection& detection, const PeriodPlan& plan, AutoRange& range,
+                        std::uint32_t losses) {
+  begin(plan.lead_in, range, true);
+  losses_ = losses;
+  periods_.begin(detection, plan);
   outcome_.store(Outcome::running, std::memory_order_release);
 }
 
@@ -20,8 +34,11 @@ bool Acquisition::finish(Outcome outcome) {
 }
 
 bool Acquisition::take(std::span<const std::uint16_t> signal,
-                       std::span<const std::uint16_t> monitor) {
+                       std::span<const std::uint16_t> monitor, const ReferenceLock& reference) {
   if (outcome() != Outcome::running) return true;
+  if (external_ && (!reference.locked() || reference.losses() != losses_)) {
+    return finish(Outcome::reference_lost);
+  }
   if (lead_in_left_ > 0) {
     const auto count =
         static_cast<std::uint32_t>(std::min<std::size_t>(lead_in_left_, signal.size()));
@@ -31,16 +48,22 @@ bool Acquisition::take(std::span<const std::uint16_t> signal,
       clipped_ = clipped_ || code == 0 || code == adc_codes - 1;
     }
     lead_in_left_ -= count;
+    next_sample_ += count;
     if (lead_in_left_ > 0) return false;
     if (range_->judge_lead_in(peak_, clipped_)) return finish(Outcome::range_changed);
     signal = signal.subspan(count);
     monitor = monitor.subspan(count);
   }
-  integrator_.take(signal, monitor);
-  if (integrator_.signal_saturated() > 0 && range_->step_down()) {
-    return finish(Outcome::range_changed);
+  if (external_) {
+    const PhaseLine& line = reference.line();
+    const std::uint32_t tick = first_tick_ + next_sample_ * reference_ticks_per_sample;
+    periods_.take(signal, monitor, line.turns_at(tick), line.step_per_sample());
+  } else {
+    integrator_.take(signal, monitor);
   }
-  return integrator_.complete() ? finish(Outcome::complete) : false;
+  next_sample_ += static_cast<std::uint32_t>(signal.size());
+  if (saturated() && range_->step_down()) return finish(Outcome::range_changed);
+  return complete() ? finish(Outcome::complete) : false;
 }
 
 }  // namespace umov::firmware

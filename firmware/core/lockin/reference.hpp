@@ -47,6 +47,11 @@ struct RecordPlan {
 RecordPlan plan_record(const Reference& reference, std::uint32_t dwell_ms,
                        std::uint32_t max_blocks);
 
+/// A harmonic must lie below half the sample rate.
+constexpr bool detectable(std::uint32_t frequency_mhz, std::uint8_t harmonic) {
+  return std::uint64_t{harmonic} * frequency_mhz < 500ull * sample_rate_hz;
+}
+
 /// Angle in 2^-32 turns, to the nearest.
 constexpr std::uint32_t phase_from_udeg(std::int32_t angle_udeg) {
   const std::int64_t scaled = std::int64_t{angle_udeg} * (std::int64_t{1} << 32);

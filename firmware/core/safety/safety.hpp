@@ -10,7 +10,7 @@
 
 namespace umov::firmware {
 
-inline constexpr int fault_count = static_cast<int>(protocol::Fault::no_fallback) + 1;
+inline constexpr int fault_count = static_cast<int>(protocol::Fault::reference_lost) + 1;
 
 /// Book of faults. What the safe state is, the controller knows.
 /// Contexts: raise_from_interrupt() anywhere, everything else in the main loop.

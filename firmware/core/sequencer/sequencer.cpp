@@ -17,10 +17,25 @@ void Sequencer::configure(const protocol::SetLockin& settings) {
                 .phase_offset = phase_from_udeg(settings.phase_udeg)};
 }
 
+protocol::ReferenceState Sequencer::reference_state() const {
+  using protocol::ReferenceState;
+  const ReferenceLock now = reference_now();
+  const bool beyond =
+      external() && now.locked() && !detectable(now.frequency_mhz(), settings_.harmonic);
+  return beyond ? ReferenceState::out_of_range : now.state();
+}
+
+bool Sequencer::reference_missing() const {
+  if (!external() || !running()) return false;
+  return reference_state() != protocol::ReferenceState::locked ||
+         acquisition_.outcome() == Acquisition::Outcome::reference_lost;
+}
+
 void Sequencer::begin(const protocol::ProgramBegin& program) {
   program_ = program;
   rows_.restart(program.first_row);
   records_.restart(program.first_row);
+  waiting_ = false;
   activity_ = Activity::waiting;
 }
 
@@ -94,7 +109,8 @@ void Sequencer::start_next_row() {
     end_program();
     return;
   }
-  if (rows_.empty() || records_.full()) return;
+  if (rows_.empty() || records_.full()) return wait();
+  waiting_ = false;
   const protocol::ProgramRow& row = rows_.front();
   motion_->take_moved();  // moves before this row are none of its own
   settle_needed_ = outputs_->set_laser(row.laser);
@@ -104,23 +120,48 @@ void Sequencer::start_next_row() {
   activity_ = Activity::moving;
 }
 
+/// Nobody knows for how long: not at the sample's cost.
+void Sequencer::wait() {
+  const std::uint64_t now = board_->time_us();
+  if (!waiting_) waiting_since_us_ = now;
+  waiting_ = true;
+  if (now - waiting_since_us_ >= lit_wait_us) outputs_->cut_light();
+}
+
 void Sequencer::start_settling(bool needed) {
   settled_at_us_ = board_->time_us() + (needed ? std::uint64_t{settings_.settle_ms} * 1000 : 0);
   activity_ = Activity::settling;
 }
 
 void Sequencer::start_measuring() {
-  const RecordPlan plan =
-      plan_record(detection_.reference, rows_.front().dwell_ms, settings_.blocks);
-  acquisition_.begin(detection_, plan, auto_range_);
+  const std::uint16_t dwell_ms = rows_.front().dwell_ms;
+  std::uint32_t phase_step = detection_.reference.phase_step;
+  if (external()) {
+    const ReferenceLock now = reference_now();
+    if (!now.locked()) return;  // lost since the faults were looked at: the next look tells
+    acquisition_.begin(detection_, plan_periods(now.frequency_mhz(), dwell_ms, settings_.blocks),
+                       auto_range_, now.losses());
+    phase_step = 0;  // what chops the light is outside
+  } else {
+    acquisition_.begin(detection_, plan_record(detection_.reference, dwell_ms, settings_.blocks),
+                       auto_range_);
+  }
   sampling_since_us_ = board_->time_us();
   activity_ = Activity::measuring;
-  board_->start_sampling(detection_.reference.phase_step);
+  acquisition_.sampled_from(board_->start_sampling(phase_step));
 }
 
 void Sequencer::on_samples(std::span<const std::uint16_t> signal,
                            std::span<const std::uint16_t> monitor) {
-  if (acquisition_.take(signal, monitor)) board_->stop_sampling();
+  const ReferenceLock now = acquisition_.external() ? reference_now() : ReferenceLock{};
+  if (acquisition_.take(signal, monitor, now)) board_->stop_sampling();
+}
+
+ReferenceLock Sequencer::reference_now() const {
+  board_->mask_interrupts();
+  const ReferenceLock now = *reference_;
+  board_->unmask_interrupts();
+  return now;
 }
 
 void Sequencer::change_range() {

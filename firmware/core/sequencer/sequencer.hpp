@@ -5,6 +5,7 @@
 #include <span>
 
 #include "firmware/core/lockin/acquisition.hpp"
+#include "firmware/core/lockin/reference_lock.hpp"
 #include "firmware/core/motion/motion.hpp"
 #include "firmware/core/port.hpp"
 #include "firmware/core/sequencer/optics_outputs.hpp"
@@ -20,11 +21,22 @@ namespace umov::firmware {
 /// interrupt, everything else in the main loop.
 class Sequencer {
  public:
-  Sequencer(Board& board, Motion& motion, OpticsOutputs& outputs)
-      : board_(&board), motion_(&motion), outputs_(&outputs) {}
+  Sequencer(Board& board, Motion& motion, OpticsOutputs& outputs, const ReferenceLock& reference)
+      : board_(&board), motion_(&motion), outputs_(&outputs), reference_(&reference) {}
 
   void configure(const protocol::SetLockin& settings);
   const protocol::SetLockin& settings() const { return settings_; }
+  /// Whether detection is against an external reference.
+  bool external() const {
+    return settings_.source == static_cast<std::uint8_t>(protocol::ReferenceSource::external);
+  }
+  /// The external reference as it stands between two edges. Also in the sample interrupt.
+  ReferenceLock reference_now() const;
+  /// What comes in at the reference input, as far as this detection can use it.
+  protocol::ReferenceState reference_state() const;
+  /// A program runs whose reference is not there, or was not for a moment of the record in
+  /// progress.
+  bool reference_missing() const;
 
   /// Forgets the program, rows and records held and begins this one.
   void begin(const protocol::ProgramBegin& program);
@@ -70,6 +82,7 @@ class Sequencer {
 
   void halt();
   void start_next_row();
+  void wait();
   void start_settling(bool needed);
   void start_measuring();
   void finish_row();
@@ -79,6 +92,7 @@ class Sequencer {
   Board* board_;
   Motion* motion_;
   OpticsOutputs* outputs_;
+  const ReferenceLock* reference_;
   RowRing rows_{};
   RecordRing records_{};
   protocol::ProgramBegin program_{};
@@ -87,6 +101,8 @@ class Sequencer {
   AutoRange auto_range_{};
   Acquisition acquisition_{};
   Activity activity_ = Activity::none;
+  bool waiting_ = false;  ///< for rows or for room
+  std::uint64_t waiting_since_us_ = 0;
   bool settle_needed_ = false;
   std::uint64_t settled_at_us_ = 0;
   std::uint64_t sampling_since_us_ = 0;

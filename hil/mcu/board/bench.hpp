@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 namespace umov::mcu {
 
@@ -35,6 +36,11 @@ class Bench {
   /// Emergency button out; thermostats of drivers and lasers.
   virtual bool emergency_released() const { return true; }
   virtual bool overheated() const { return false; }
+  /// The first rising edge at the reference input after `after_s`; infinite: none comes.
+  virtual double next_reference_edge(double after_s) const {
+    (void)after_s;
+    return std::numeric_limits<double>::infinity();
+  }
   /// Sample `number` of a stream that began at `start_time_s` with `sample_rate_hz`; `light`: level
   /// of the modulation output at that instant.
   virtual CodePair sample(double start_time_s, double sample_rate_hz, std::uint64_t number,

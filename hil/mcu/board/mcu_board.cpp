@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -15,6 +16,8 @@ namespace wiring = boards::stm32f407;
 using wiring::Pin;
 
 constexpr int axis_count = static_cast<int>(wiring::axis_pins.size());
+/// The reference input is high for so long after an edge.
+constexpr Time pulse_length = 5 * time_per_us;
 /// Inputs that the bench does not announce are looked at this often.
 constexpr Time look_interval = 1000 * time_per_us;
 /// A sample this long after another belongs to the same stream.
@@ -153,6 +156,21 @@ struct McuBoard::Impl final : Surroundings {
     if (until_output) chip.pause();
   }
 
+  Time next_change(Time now) override {
+    if (reference_high) return edge + pulse_length;
+    const double next_s = bench->next_reference_edge(std::max(edge_s, seconds(now)));
+    if (!std::isfinite(next_s)) return now + look_interval;  // somebody may switch it on
+    edge_due = true;
+    edge_s = next_s;
+    edge = static_cast<Time>(next_s * static_cast<double>(time_per_second));
+    return std::max(edge, now);
+  }
+  void change(Time) override {
+    if (!reference_high && !std::exchange(edge_due, false)) return;
+    reference_high = !reference_high;
+    drive(wiring::reference_input.pin, reference_high);
+  }
+
   int range() const {
     int value = 0;
     for (std::size_t i = 0; i < wiring::gain_pins.size(); ++i) {
@@ -209,6 +227,9 @@ struct McuBoard::Impl final : Surroundings {
   bool until_output = false;
   bool sampled = false;
   Time sampled_at = 0, stream_start = 0;
+  bool reference_high = false, edge_due = false;
+  double edge_s = 0;
+  Time edge = 0;  ///< the same
   std::uint64_t sample_number = 0;
   CodePair codes{};
 };

@@ -37,6 +37,9 @@ class Wiring : public boards::native::World {
   void set_gain(int range, double time_s) override { plant_->set_gain(range, time_s); }
   bool interlock_closed() const override { return plant_->interlock_closed(); }
   void set_reference(std::uint32_t phase_step) override { plant_->set_reference(phase_step); }
+  double next_reference_edge(double after_s) const override {
+    return plant_->next_reference_edge(after_s);
+  }
   void sample(double start_time_s, double sample_rate_hz, std::uint64_t first,
               std::span<std::uint16_t> signal, std::span<std::uint16_t> monitor) override {
     plant_->sample(start_time_s, sample_rate_hz, first, signal, monitor);

@@ -23,6 +23,7 @@
 #include "protocol/messages.hpp"
 #include "protocol/requests.hpp"
 #include "protocol/schema.hpp"
+#include "tests/unit/outside_reference.hpp"
 
 namespace umov::test {
 
@@ -60,8 +61,22 @@ class SmallWorld : public boards::native::World {
   bool interlock_closed() const override { return interlock; }
   bool supply_low() const override { return low_supply; }
   void set_reference(std::uint32_t phase_step) override { step_per_sample = phase_step; }
-  void sample(double, double, std::uint64_t first, std::span<std::uint16_t> signal,
-              std::span<std::uint16_t> monitor) override {
+  double next_reference_edge(double after_s) const override {
+    return chopper ? chopper->next_edge_s(after_s) : World::next_reference_edge(after_s);
+  }
+  void sample(double start_time_s, double sample_rate_hz, std::uint64_t first,
+              std::span<std::uint16_t> signal, std::span<std::uint16_t> monitor) override {
+    if (chopper && step_per_sample == 0) {
+      for (std::size_t i = 0; i < signal.size(); ++i) {
+        const auto n = static_cast<double>(first + i);
+        const double light = chopper->light(start_time_s + n / sample_rate_hz);
+        const double dither = std::fmod(0.618033988749895 * n, 1.0) - 0.5;
+        signal[i] = static_cast<std::uint16_t>(std::lround(2048 + 1500 * light + dither));
+        monitor[i] = static_cast<std::uint16_t>(std::lround(2048 + 900 * light + dither));
+      }
+      samples_made += signal.size();
+      return;
+    }
     const double gain = std::pow(10.0, range);
     const double high = 2048 + dark_codes * gain + (shutter ? signal_codes * gain : 0.0);
     const auto code = [](double v) {
@@ -92,6 +107,7 @@ class SmallWorld : public boards::native::World {
   int range = 0;
   double signal_codes = 500;  ///< half the height of the square wave at range 1
   double dark_codes = 0;
+  std::optional<OutsideReference> chopper;  ///< chops the light that is on steadily
   std::uint32_t step_per_sample = 0;
   std::uint64_t samples_made = 0;
   int log_axis = -1;

@@ -333,7 +333,7 @@ struct Ranging {
       const Stream s = make_stream(plan.lead_in + plan.samples(), [&](auto n) {
         return (laser_on(d.reference, n) ? 1 : -1) * signal_codes * gain;
       });
-      acquisition.take(s.signal, s.monitor);
+      acquisition.take(s.signal, s.monitor, {});
       if (acquisition.outcome() == Acquisition::Outcome::complete) return current;
       EXPECT_EQ(acquisition.outcome(), Acquisition::Outcome::range_changed);
       current = range.range();
@@ -387,7 +387,7 @@ TEST(AutoRange, StepsDownWhenClippingBeginsAfterTheLeadIn) {
   acquisition.begin(d, plan, range);
   Stream s = make_stream(plan.lead_in + plan.samples(), [](auto) { return 500.0; });
   s.signal[plan.lead_in + 300] = 4095;
-  EXPECT_TRUE(acquisition.take(s.signal, s.monitor));
+  EXPECT_TRUE(acquisition.take(s.signal, s.monitor, {}));
   EXPECT_EQ(acquisition.outcome(), Acquisition::Outcome::range_changed);
   EXPECT_EQ(range.range(), 0);
 }

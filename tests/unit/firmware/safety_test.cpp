@@ -288,7 +288,8 @@ class IdleBoard final : public fw::Board {
   bool overheated() const override { return false; }
   bool supply_low() const override { return false; }
   bool stalled(int) const override { return false; }
-  void start_sampling(std::uint32_t) override {}
+  std::uint32_t start_sampling(std::uint32_t) override { return 0; }
+  std::uint32_t reference_clock() const override { return 0; }
   void stop_sampling() override {}
   void mask_interrupts() override {}
   void unmask_interrupts() override {}

@@ -172,6 +172,38 @@ TEST_F(Scan, WaitsForRowsAndAsksForThem) {
   EXPECT_NEAR(static_cast<double>(bench.heard.credits.size()), 10, 1);
 }
 
+TEST_F(Scan, RowsThatRunOutAreNoFaultButSoonDark) {
+  ASSERT_TRUE(bench.ask(pr::ProgramBegin{7, 0, 4}).has_value());
+  const auto wait = [&](int ms) {
+    for (int i = 0; i < ms / 10; ++i) {
+      bench.board.run_for(10'000);
+      bench.status();
+    }
+  };
+  bench.send(Bench::row(0));
+  wait(500);
+  EXPECT_EQ(bench.state(), pr::State::waiting_for_rows);
+  EXPECT_FALSE(world.dark()) << "a hitch costs no settling";
+  wait(1'000);
+  EXPECT_TRUE(world.dark());
+  wait(60'000);
+  EXPECT_EQ(bench.state(), pr::State::waiting_for_rows);
+  EXPECT_EQ(bench.fault(), pr::Fault::none);
+  bench.listen();
+  EXPECT_TRUE(bench.heard.faults.empty());
+  for (std::uint32_t i = 1; i < 4; ++i) bench.send(Bench::row(i));
+  wait(1'000);
+  bench.listen();
+  std::set<std::uint32_t> rows;
+  for (const auto& record : bench.heard.records) {
+    rows.insert(record.index);
+    const double amplitude =
+        2.0 * static_cast<double>(record.signal_x) / (record.samples * 32767.0);
+    EXPECT_NEAR(amplitude, 500 * 4 / std::numbers::pi, 1) << "with light again";
+  }
+  EXPECT_EQ(rows.size(), 4u);
+}
+
 TEST_F(Scan, IgnoresRowsOutOfOrderAndSaysWhichItWants) {
   ASSERT_TRUE(bench.ask(pr::ProgramBegin{7, 0, 100}));
   bench.send(Bench::row(0));

@@ -128,9 +128,33 @@ TEST_F(TimerTest, UpdatesAtItsPeriodAndAsksForDmaAtAMatch) {
 
 TEST_F(TimerTest, ModesThatAreNotModelledAreRefused) {
   EXPECT_THROW(timer.write(ccmr1, 6u << 4), Error);  // PWM
-  EXPECT_THROW(timer.write(ccmr1, 1), Error);        // capture
+  EXPECT_THROW(timer.write(ccmr1, 3), Error);        // capture of the trigger
   EXPECT_THROW(timer.write(cr1, 0x11), Error);       // down
   EXPECT_THROW(timer.read(0x54), Error);
+}
+
+TEST_F(TimerTest, CapturesItsCountAtARisingInputAndTellsOfOneThatWasLost) {
+  timer.write(ccmr1, 1);
+  timer.write(dier, 2);
+  run_freely();
+  advance(1000 * tick + tick / 2);
+  timer.rise(1);
+  EXPECT_TRUE(interrupt);
+  advance(10 * tick);
+  EXPECT_EQ(timer.read(sr) & 0x202u, 2u);
+  EXPECT_EQ(timer.read(ccr1), 1000u);
+  EXPECT_FALSE(interrupt) << "reading what was captured ends it";
+  timer.rise(1);
+  advance(tick);
+  timer.rise(1);
+  EXPECT_EQ(timer.read(sr) & 0x202u, 0x202u);
+  EXPECT_EQ(timer.read(ccr1), 1011u) << "the later one";
+  timer.write(sr, 0);
+  timer.write(ccer, 0);
+  timer.rise(1);
+  EXPECT_EQ(timer.read(sr) & 2u, 0u) << "not enabled";
+  EXPECT_THROW(timer.write(ccmr1, 0xF1), Error) << "a filter is not modelled";
+  EXPECT_THROW(timer.write(ccmr1, 2), Error) << "nor the other input";
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ TEST(IdealPreset, HasNoImperfectionButTheStatedNoise) {
       // What an imperfection of size zero would look like.
       "windup_travel_deg", "filter_axis_deg", "window_axis_deg", "angle_deg", "wander_period_s",
       "period_s", "g", "single_scattering_albedo", "slope_rms", "contact_angle_deg", "lobe_slope",
-      "retro_width_deg", "fringe_thickness_um", "beam_offset_mm"};
+      "retro_width_deg", "fringe_thickness_um", "beam_offset_mm", "edge_share", "stops_s"};
   for (const Parameter& p : parameters(config)) {
     const std::string leaf = p.name.substr(p.name.rfind('.') + 1);
     if (!scales.contains(leaf)) {

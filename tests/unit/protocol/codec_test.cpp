@@ -83,7 +83,7 @@ TEST(Codec, MessagesAreFoundByTheirTypeByte) {
 
 TEST(Codec, TheWireLayoutIsWhatTheDocumentSays) {
   static_assert(wire_size<HelloReply> == 108);
-  static_assert(wire_size<Status> == 56);
+  static_assert(wire_size<Status> == 61);
   static_assert(wire_size<ProgramRow> == 33);
   static_assert(wire_size<RowCredit> == 10);
   static_assert(wire_size<Record> == 108);

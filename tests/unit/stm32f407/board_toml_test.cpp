@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -12,6 +13,7 @@
 
 #include "boards/stm32f407/board_description.hpp"
 #include "firmware/core/config/axis_settings.hpp"
+#include "firmware/core/motion/stopping_distance.hpp"
 
 namespace umov {
 namespace {
@@ -78,10 +80,28 @@ TEST(BoardToml, PinsThatCannotDoWhatTheyAreNamedForAreRefused) {
               testing::HasSubstr("no pin of the package"));
   EXPECT_THAT(refusal("step = \"PA5\"", "step = \"PC14\""),
               testing::HasSubstr("no output of TIM2 or TIM5"));
+  EXPECT_THAT(refusal("reference = \"PA8\"", "reference = \"PC14\""),
+              testing::HasSubstr("no input of TIM1"));
   EXPECT_THAT(refusal("signal = \"PC1\"", "signal = \"PC14\""),
               testing::HasSubstr("no input of ADC1 and ADC2"));
   EXPECT_THAT(refusal("stall = \"PC5\"", "stall = \"PB5\""), testing::HasSubstr("already"));
   EXPECT_THAT(refusal("stall = \"PC5\"", "stall = \"PC15\""), testing::HasSubstr("EXTI line"));
+}
+
+TEST(BoardToml, AnAxisHasRoomToStopBeyondItsLimitSwitch) {
+  EXPECT_THAT(refusal("overrun_deg = 5", "overrun_deg = 3"),
+              testing::HasSubstr("needs 3.08 to stop from 40"));
+  EXPECT_THAT(refusal("acceleration_deg_s2 = 400", "acceleration_deg_s2 = 150"),
+              testing::HasSubstr("incidence.overrun_deg"));
+  // The page's figures are those of the firmware.
+  std::ifstream file(folder + "WIRING.md");
+  const std::string page((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  for (const auto& axis : board::axes) {
+    const double needed = 1e-6 * static_cast<double>(firmware::stopping_distance_udeg(axis));
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "| %.2f° |", needed);
+    EXPECT_THAT(page, testing::HasSubstr(text.data()));
+  }
 }
 
 TEST(BoardToml, ARatioMustGiveWholeSteps) {

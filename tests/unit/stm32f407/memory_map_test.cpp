@@ -43,6 +43,7 @@ TEST(MemoryMap, AgreesWithAnIndependentOne) {
       {mm::iwdg, "IWDG"},
       {mm::usart2, "stm32f2xx-usart"},
       {mm::pwr, "PWR"},
+      {mm::tim1, "timer[1]"},
       {mm::tim8, "timer[8]"},
       {mm::adc1, "stm32f2xx-adc"},
       {mm::adc2, "stm32f2xx-adc"},

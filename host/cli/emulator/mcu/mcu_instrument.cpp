@@ -25,6 +25,9 @@ class Wiring : public mcu::Bench {
   void set_shutter(bool open, double time_s) override { plant_->set_shutter(open, time_s); }
   void set_gain(int range, double time_s) override { plant_->set_gain(range, time_s); }
   bool interlock_closed() const override { return plant_->interlock_closed(); }
+  double next_reference_edge(double after_s) const override {
+    return plant_->next_reference_edge(after_s);
+  }
   mcu::CodePair sample(double start_time_s, double sample_rate_hz, std::uint64_t number,
                        bool light) override {
     mcu::CodePair codes;
