@@ -21,6 +21,11 @@ struct Region {
 /// none.
 Map cut(const Map& map, const Region& region);
 
+/// The map with `n` × `n` pixels to one, from the lower left: means, and their standard errors from
+/// those of the pixels as independent ones. What fills no whole pixel at the upper and right edge
+/// is left out. Throws umov::Error where nothing is left.
+Map joined(const Map& map, std::size_t n);
+
 /// Of one map.
 struct Evenness {
   double maximum, mean, minimum;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <memory>
 
+#include "host/chamber/figures.hpp"
+#include "host/chamber/mixing_chamber.hpp"
 #include "host/chamber/synthetic_mcpet.hpp"
 #include "host/gap/chamber/chamber_model.hpp"
 #include "host/gap/engine/diagnosis.hpp"
@@ -26,7 +28,7 @@ std::shared_ptr<const Surface> plastic() {
 
 MapOptions coarse() {
   MapOptions options;
-  options.coarser = 8;
+  options.joined = 8;
   options.rays_per_pixel = 2000;
   options.rays_per_signature = 600;
   return options;
@@ -36,9 +38,9 @@ Map measured(const MixingChamber& c, std::uint64_t seed) {
   const chamber::Luminaire luminaire = c.luminaire();
   const chamber::Tracer tracer(luminaire);
   chamber::MapRequest request;
-  request.rays_per_pixel = 2000;
+  request.rays_per_pixel = 2000 / 64;
   request.seed = seed;
-  return chamber::luminance_map(tracer, c.camera(coarse().coarser), request);
+  return chamber::joined(chamber::luminance_map(tracer, c.camera(), request), coarse().joined);
 }
 
 TEST(ChamberModel, AMattSimulationOfAPlasticLacksItsLobe) {
@@ -46,7 +48,7 @@ TEST(ChamberModel, AMattSimulationOfAPlasticLacksItsLobe) {
   simulated.wall =
       std::make_shared<const Surface>("matt", chamber::Lambertian{chamber::mcpet_total});
   const auto signatures =
-      std::make_shared<const MapSignatures>(map_signatures(simulated, coarse()));
+      std::make_shared<const MapSignatures>(map_signatures(simulated.described(), coarse()));
   MixingChamber real = simulated;
   real.wall = plastic();
   const ChamberModel model(signatures, measured(real, 99));

@@ -1,0 +1,41 @@
+// The catalogue of what a simulated luminance map may have wrong: for each effect its parameters
+// and how the luminaire is built with a step of them.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "host/chamber/departure.hpp"
+#include "host/gap/engine/forward_model.hpp"
+
+namespace umov::gap {
+
+/// One parameter of an effect.
+struct MapChange {
+  Parameter parameter;
+  double step;  ///< enough to show above the noise, little enough to be near linear
+  /// The luminaire with this much of it; throws umov::Error where there is no room for it.
+  std::function<chamber::View(double)> view;
+};
+
+struct MapCause {
+  Effect effect;  ///< its parameters are those of `changes`
+  std::vector<MapChange> changes;
+  /// What the changes are taken from (number in MapCauses::matt), where that is not the luminaire
+  /// as described: the same with a matt surface, whatever the simulation takes the surface for.
+  std::optional<std::size_t> from_matt = {};
+};
+
+struct MapCauses {
+  std::vector<MapCause> causes;
+  /// The luminaire with each of its surfaces matt in turn, of the reflectance it has.
+  std::vector<std::function<chamber::View()>> matt;
+};
+
+/// `size_mm`: of what the camera sees; mechanical tolerances are in proportion to it. What is
+/// returned refers to `luminaire`.
+MapCauses map_causes(const chamber::Described& luminaire, double size_mm);
+
+}  // namespace umov::gap
