@@ -22,8 +22,8 @@ void make_quick(gap::scan::ScanDiagnoseOptions& options) {
 void make_quick(gap::MapDiagnoseOptions& options) {
   search_less(options.diagnose);
   options.most_pixels /= 2;
-  options.signatures.rays_per_pixel /= 2;
-  options.signatures.rays_per_signature /= 2;
+  options.signatures.rays_per_pixel /= 4;
+  options.signatures.rays_per_signature /= 4;
 }
 
 }  // namespace umov::cli

@@ -8,7 +8,7 @@ namespace umov::cli {
 
 /// A quick answer: a quarter of the draws, a small beam, few refits, thinned records.
 void make_quick(gap::scan::ScanDiagnoseOptions& options);
-/// The same of a map: fewer, larger pixels and a quarter of the rays in all.
+/// The same of a map: half as many, larger pixels and an eighth of the rays.
 void make_quick(gap::MapDiagnoseOptions& options);
 
 }  // namespace umov::cli

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/errors/error.hpp"
+#include "host/gap/chamber/map_causes.hpp"
 #include "host/gap/engine/effect_names.hpp"
 #include "host/gap/engine/gap_bounds.hpp"
 
@@ -35,10 +36,19 @@ std::vector<std::string> notes_of(const chamber::MeasuredMap& measured, std::siz
   return notes;
 }
 
+/// In the order of the signatures, before any is simulated.
+std::vector<Effect> known_effects(const chamber::Described& luminaire) {
+  std::vector<Effect> effects;
+  for (const MapCause& cause : map_causes(luminaire, 1.0).causes) effects.push_back(cause.effect);
+  return effects;
+}
+
 }  // namespace
 
 MapDiagnosis diagnose_map(const chamber::Described& luminaire, const chamber::MeasuredMap& measured,
                           const MapDiagnoseOptions& options) {
+  DiagnoseOptions engine = options.diagnose;
+  engine.search.without = effects_named(options.without, known_effects(luminaire));
   MapOptions maps = options.signatures;
   maps.joined = joined_for(measured.map, options.most_pixels);
   const auto signatures = std::make_shared<const MapSignatures>(map_signatures(luminaire, maps));
@@ -48,8 +58,6 @@ MapDiagnosis diagnose_map(const chamber::Described& luminaire, const chamber::Me
                             signatures->pixels.size()),
                 fmt::format("give a map with {} or more", fewest_pixels));
   const ChamberModel model(signatures, chamber::joined(measured.map, maps.joined));
-  DiagnoseOptions engine = options.diagnose;
-  engine.search.without = effects_named(options.without, model.effects());
   MapDiagnosis result;
   result.answer = diagnose(model, engine);
   result.answer.bounds = gap_bounds(model, result.answer, bootstrap_draws, engine.search.seed + 5);

@@ -25,6 +25,8 @@ using chamber::View;
 constexpr std::array lobe_widths{0.06, 0.12, 0.24};
 /// Usual errors of a luminaire that fills a window of this size, [M]'s.
 constexpr double usual_size_mm = 60.0;
+/// Of the flux of sources of one kind about its mean.
+constexpr double usual_excess = 0.05;
 /// Beyond this many sources single ones are not told apart.
 constexpr std::size_t most_single_sources = 8;
 
@@ -116,11 +118,11 @@ class Catalogue {
     const auto view = [&described = luminaire_, coat, surface = std::move(surface)](double amount) {
       return coated(described, coat, surface(amount));
     };
-    out_.causes.push_back({std::move(e), {{std::move(p), step, view}}, out_.matt.size() - 1});
+    out_.causes.push_back({std::move(e), {{std::move(p), step, view}}, out_.origins.size() - 1});
   }
 
   void of_coat(const Coat& coat) {
-    out_.matt.push_back(
+    out_.origins.push_back(
         [&described = luminaire_, coat] { return coated(described, coat, matt(coat.total)); });
     for (const double alpha : lobe_widths) {
       Parameter p = sized("strength", "1", "over that of a smooth plastic of n = 1.6", 0.5);
@@ -183,24 +185,35 @@ class Catalogue {
   }
 
   void exitance() {
-    add(effect("source_exitance", "sources",
-               "the sources shine unequally; all together as much as stated"),
-        emitters_.size() > most_single_sources ? exitance_across() : exitance_of_each());
+    Effect e = effect("source_exitance", "sources",
+                      "the sources shine unequally; all together as much as stated");
+    if (emitters_.size() > most_single_sources) return add(std::move(e), exitance_across());
+    std::vector<MapChange> changes = exitance_of_each();
+    if (changes.empty()) return;
+    out_.origins.push_back(
+        [&described = luminaire_, alone = alone(0)] { return described.view(alone); });
+    out_.causes.push_back({std::move(e), std::move(changes), out_.origins.size() - 1});
+  }
+
+  /// One source with the flux of the first, and no other.
+  Departure alone(std::size_t source) const {
+    Departure d;
+    d.excess.assign(emitters_.size(), -1.0);
+    d.excess[source] += emitters_[0].flux_lm / emitters_[source].flux_lm;
+    return d;
   }
 
   std::vector<MapChange> exitance_of_each() const {
     std::vector<MapChange> changes;
     for (std::size_t k = 1; k < emitters_.size(); ++k) {
-      const double made_up = emitters_[k].flux_lm / emitters_[0].flux_lm;
-      if (!(made_up > 0.0) || !std::isfinite(made_up)) continue;
-      const auto change = [k, made_up](Departure& d, double amount) {
-        d.excess.assign(k + 1, 0.0);
-        d.excess[k] = amount;
-        d.excess[0] = -amount * made_up;
-      };
-      changes.push_back({sized(fmt::format("source_{}", k + 1), "1",
-                               "of its flux, more than stated; source 1 has as much less", 0.02),
-                         0.5 * std::min(1.0, 1.0 / made_up), departed(change)});
+      const double flux = emitters_[k].flux_lm;
+      if (!(flux > 0.0) || !(emitters_[0].flux_lm > 0.0)) continue;
+      // Light of one source in the place of as much of another's: as if all of the first were.
+      changes.push_back(
+          {sized(fmt::format("source_{}", k + 1), "1",
+                 "of its flux, more than stated; source 1 has as much less", usual_excess),
+           emitters_[0].flux_lm / flux,
+           [&described = luminaire_, alone = alone(k)](double) { return described.view(alone); }});
     }
     return changes;
   }
@@ -225,8 +238,8 @@ class Catalogue {
       changes.push_back({sized(upwards ? "top_bottom" : "right_left", "1",
                                "flux of the outermost source in the map, more than stated, the "
                                "others in proportion to their place",
-                               0.02),
-                         0.5, departed([place](Departure& d, double amount) {
+                               usual_excess),
+                         1.0, departed([place](Departure& d, double amount) {
                            for (const double p : place) d.excess.push_back(amount * p);
                          })});
     }

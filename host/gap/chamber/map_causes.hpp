@@ -23,15 +23,18 @@ struct MapChange {
 struct MapCause {
   Effect effect;  ///< its parameters are those of `changes`
   std::vector<MapChange> changes;
-  /// What the changes are taken from (number in MapCauses::matt), where that is not the luminaire
-  /// as described: the same with a matt surface, whatever the simulation takes the surface for.
-  std::optional<std::size_t> from_matt = {};
+  /// What the changes are taken from (number in MapCauses::origins), where that is not the
+  /// luminaire as described.
+  std::optional<std::size_t> origin = {};
 };
 
 struct MapCauses {
   std::vector<MapCause> causes;
-  /// The luminaire with each of its surfaces matt in turn, of the reflectance it has.
-  std::vector<std::function<chamber::View()>> matt;
+  /// The luminaire with each of its surfaces matt in turn, of the reflectance it has: changes of a
+  /// surface then do not depend on what the simulation takes it for. And with one source alone:
+  /// maps of single sources show what each does with far less noise than maps of all with a little
+  /// more of one.
+  std::vector<std::function<chamber::View()>> origins;
 };
 
 /// `size_mm`: of what the camera sees; mechanical tolerances are in proportion to it. What is

@@ -138,16 +138,16 @@ MapSignatures map_signatures(const chamber::Described& luminaire, const MapOptio
   const MapCauses list = map_causes(luminaire, size_of(plain.camera));
   double maps = static_cast<double>(options.rays_per_pixel) /
                     static_cast<double>(options.rays_per_signature) +
-                1.0 + static_cast<double>(list.matt.size());
+                1.0 + static_cast<double>(list.origins.size());
   for (const MapCause& cause : list.causes) maps += static_cast<double>(cause.changes.size());
   Simulator simulator(options, maps);
 
   // Changes share the random numbers of what they are taken from, and none with the map itself.
   s.map = simulator.simulate(plain, options.rays_per_pixel, options.seed);
   const Map own = simulator.simulate(plain, options.rays_per_signature, options.seed + 1);
-  std::vector<Map> matt;
-  for (const auto& view : list.matt)
-    matt.push_back(simulator.simulate(view(), options.rays_per_signature, options.seed + 1));
+  std::vector<Map> origins;
+  for (const auto& view : list.origins)
+    origins.push_back(simulator.simulate(view(), options.rays_per_signature, options.seed + 1));
   std::vector<Shown> all;
   for (const MapCause& cause : list.causes) {
     all.push_back({&cause, {}});
@@ -163,7 +163,7 @@ MapSignatures map_signatures(const chamber::Described& luminaire, const MapOptio
   s.se = at_pixels(s.map.luminance_se, s.pixels);
   s.highlight = Eigen::VectorXd::Zero(s.mean.size());
   for (const Shown& shown : all) {
-    const Map& from = shown.cause->from_matt ? matt[*shown.cause->from_matt] : own;
+    const Map& from = shown.cause->origin ? origins[*shown.cause->origin] : own;
     s.effects.push_back(signature_of(shown, from, s.pixels));
     const Eigen::VectorXd& first = s.effects.back().columns.col(0);
     if (shown.cause->effect.name == "near_specular_lobe" && first.maxCoeff() > 0.0)
