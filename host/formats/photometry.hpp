@@ -36,8 +36,12 @@ Photometry parse_photometry(std::string_view text, const std::string& file);
 Photometry parse_ies(std::string_view text, const std::string& file);
 Photometry parse_eulumdat(std::string_view text, const std::string& file);
 
-/// LM-63-2002 (absolute photometry where lamp_lm is 0) and EULUMDAT text. The latter needs equally
-/// many values in every plane, which Photometry has, and relates to 1000 lm where lamp_lm is 0.
+/// Does it begin as an intensity distribution of either format does?
+bool looks_like_photometry(std::string_view text);
+
+/// LM-63-2002 (absolute photometry where lamp_lm is 0) and EULUMDAT text. The latter relates to
+/// 1000 lm where lamp_lm is 0, and refuses more than 721 planes or angles and fewer than two
+/// angles. Candela carry seven digits.
 std::string ies_text(const Photometry& photometry);
 std::string eulumdat_text(const Photometry& photometry);
 
