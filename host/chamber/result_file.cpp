@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <set>
+#include <span>
 
 #include "host/errors/error.hpp"
 #include "host/formats/atomic_file.hpp"
@@ -62,9 +64,33 @@ double number_of(const Result& result, const std::string& key, const std::string
   return value;
 }
 
-void set_key(Result& result, const std::string& key, double value) {
-  std::erase_if(result.keys, [&](const auto& pair) { return pair.first == key; });
-  result.keys.emplace_back(key, formats::decimal_text(value));
+using Numbers = std::vector<std::pair<std::string, double>>;
+
+Numbers numbers_of(const Map& map) {
+  return {{"pixel_mm", map.pixel_mm}, {"rays_per_pixel", static_cast<double>(map.rays_per_pixel)}};
+}
+
+Numbers numbers_of(const Distribution& d) {
+  return {{"source_lm", d.source_lm},
+          {"out_lm", d.out_lm},
+          {"out_se", d.out_se},
+          {"first_hit_fraction", d.first_hit_fraction},
+          {"absorbed_fraction", d.absorbed_fraction},
+          {"lid_rays", static_cast<double>(d.rays_launched)}};
+}
+
+/// Keys of the file, which readers of it rely on.
+void set_keys(Result& result, const Numbers& numbers) {
+  for (const auto& [name, value] : numbers) {
+    std::erase_if(result.keys, [&name = name](const auto& pair) { return pair.first == name; });
+    result.keys.emplace_back(name, formats::decimal_text(value));
+  }
+}
+
+/// The same on the group they belong to, as numbers.
+void set_attributes(formats::Hdf5Builder& file, const std::string& group, const Numbers& numbers) {
+  for (const auto& [name, value] : numbers)
+    file.attribute(group, name, std::span<const double>(&value, 1));
 }
 
 }  // namespace
@@ -72,24 +98,20 @@ void set_key(Result& result, const std::string& key, double value) {
 void write_sim_h5(const std::filesystem::path& path, const Result& given,
                   const formats::Provenance& provenance) {
   Result result = given;
-  if (result.map) {
-    set_key(result, "pixel_mm", result.map->pixel_mm);
-    set_key(result, "rays_per_pixel", static_cast<double>(result.map->rays_per_pixel));
-  }
-  if (result.distribution) {
-    const Distribution& d = *result.distribution;
-    set_key(result, "source_lm", d.source_lm);
-    set_key(result, "out_lm", d.out_lm);
-    set_key(result, "out_se", d.out_se);
-    set_key(result, "first_hit_fraction", d.first_hit_fraction);
-    set_key(result, "absorbed_fraction", d.absorbed_fraction);
-    set_key(result, "lid_rays", static_cast<double>(d.rays_launched));
-  }
+  std::set<std::string> numeric{"seed"};
+  const auto note = [&](const Numbers& numbers) {
+    set_keys(result, numbers);
+    for (const auto& [name, value] : numbers) numeric.insert(name);
+  };
+  if (result.map) note(numbers_of(*result.map));
+  if (result.distribution) note(numbers_of(*result.distribution));
   formats::check_storable(result.keys, path.string());
   formats::Hdf5Builder file(path.string());
-  formats::write_h5_header(file, format_name, result.keys, provenance, content_sha256(result));
+  formats::write_h5_header(file, format_name, result.keys, provenance, content_sha256(result),
+                           numeric);
   if (result.map) {
     file.group("/map");
+    set_attributes(file, "/map", numbers_of(*result.map));
     for (const Column& c : map_columns(*result.map))
       file.matrix(c.path, *c.values, result.map->height, result.map->width, c.unit);
     file.attribute("/map", "meaning",
@@ -99,6 +121,7 @@ void write_sim_h5(const std::filesystem::path& path, const Result& given,
   if (result.distribution) {
     Distribution& d = *result.distribution;
     file.group("/lid");
+    set_attributes(file, "/lid", numbers_of(d));
     file.column("/lid/c_deg", std::span<const double>(d.c_deg), "deg");
     file.column("/lid/gamma_deg", std::span<const double>(d.gamma_deg), "deg");
     for (const Column& c : lid_columns(d))
