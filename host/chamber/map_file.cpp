@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "host/chamber/map_noise.hpp"
 #include "host/chamber/result_file.hpp"
@@ -192,6 +193,20 @@ MeasuredMap read_measured_map(const std::filesystem::path& path, const Camera& c
   }
   out.map = std::move(raw.map);
   return out;
+}
+
+std::string map_csv_text(const Map& map) {
+  std::string text = "# Luminance map; x to the right and y up from the lower left of the window\n";
+  text += fmt::format("{}\n", fmt::join(csv_columns, ","));
+  for (std::size_t y = 0; y < map.height; ++y) {
+    for (std::size_t x = 0; x < map.width; ++x) {
+      const std::size_t i = y * map.width + x;
+      text += fmt::format("{:.9g},{:.9g},{},{}\n", map.pixel_mm * (static_cast<double>(x) + 0.5),
+                          map.pixel_mm * (static_cast<double>(y) + 0.5), map.luminance_cd_m2[i],
+                          map.luminance_se[i]);
+    }
+  }
+  return text;
 }
 
 }  // namespace umov::chamber

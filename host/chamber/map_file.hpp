@@ -22,4 +22,7 @@ struct MeasuredMap {
 /// pixels than the camera's, values below zero or not finite, and a map that is dark all over.
 MeasuredMap read_measured_map(const std::filesystem::path& path, const Camera& camera);
 
+/// A map as such a CSV, with its standard errors: the shortest text of each number.
+std::string map_csv_text(const Map& map);
+
 }  // namespace umov::chamber

@@ -172,5 +172,39 @@ TEST_F(SceneFolder, SourcesShineAsTheirPhotometricFilesSay) {
   EXPECT_NEAR(d.out_lm / d.source_lm, 1.0, 0.01);
 }
 
+TEST(SceneFile, ALuminaireIsBuiltWithDeparturesFromItsDescription) {
+  const std::string loose =
+      "[[source]]\nkind = \"rectangle\"\ncentre_mm = [0, 0, 5]\nedge_u_mm = [2, 0, 0]\n"
+      "edge_v_mm = [0, 2, 0]\nflux_lm = 3\n";
+  Departure d;
+  d.shift_x_mm = 0.3;
+  d.ring_mm = 0.4;
+  d.depth_mm = -0.25;
+  d.edge_rho = 0.2;
+  d.view_deg = 1.5;
+  d.excess = {0.0, 0.1, 0.0, 0.0, -1.0};
+  const Job as_said = job_from_toml(chamber + loose + camera, "scene.toml");
+  const Job job = job_from_toml(chamber + loose + camera, "scene.toml", d);
+  EXPECT_TRUE(as_said.rings);
+  EXPECT_EQ(as_said.least_depth_mm, 1.0);
+  EXPECT_NEAR(job.luminaire.emitters[0].centre.x, 6.6 + 0.4 + 0.3, 1e-12);
+  EXPECT_NEAR(job.luminaire.emitters[0].centre.z, -0.75, 1e-12);
+  EXPECT_NEAR(job.luminaire.emitters[1].flux_lm, 0.96 * 1.1, 1e-12);
+  EXPECT_EQ(job.luminaire.emitters[4].flux_lm, 0.0);
+  EXPECT_EQ(job.luminaire.emitters[4].centre.x, 0.3);
+  EXPECT_EQ(job.camera->view_deg, 56.5);
+  // The hole moves with its source.
+  EXPECT_NEAR(job.luminaire.scene.plates.back().holes[0].x, 7.3, 1e-12);
+  double edge = 0.0;
+  for (const auto& surface : job.luminaire.surfaces)
+    if (surface->name() == "edge") edge = surface->reflectance(45.0);
+  EXPECT_EQ(edge, 0.2);
+  d.ring_mm = 20.0;
+  EXPECT_NE(failure_of([&] {
+              job_from_toml(chamber + camera, "scene.toml", d);
+            }).find("puts a hole over the edge"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace umov::chamber
