@@ -64,7 +64,9 @@ void run_luminaire(const Arguments& a, const Common& common) {
 }
 
 void run(Arguments& a, const Common& common) {
-  if (a.effects) return print_effects(common.json);
+  if (a.effects)
+    return print_effects(a.luminaire.empty() ? scan_effects() : luminaire_effects(a.luminaire),
+                         common.json);
   if (a.scans.empty())
     throw Error("no scan was named",
                 "umov diagnose scan.h5; `umov diagnose --effects` lists effects");
@@ -149,7 +151,10 @@ void add_diagnose_command(CLI::App& root, const Common& common) {
                    "scene file of a luminaire with its camera: what its simulation misses of a "
                    "measured luminance map (sim.h5, OpenEXR in cd/m2, or CSV)")
       ->excludes(surface);
-  command->add_flag("--effects", a->effects, "list the effects that a diagnosis knows");
+  command->add_flag(
+      "--effects", a->effects,
+      "list the effects that a diagnosis knows: of a scan, or with --luminaire of its "
+      "maps");
   command->add_option("-m,--model", a->options.model.model, "reflectance model of the simulation")
       ->capture_default_str();
   command->add_option("--without", a->options.without, "effects that the diagnosis must do without")

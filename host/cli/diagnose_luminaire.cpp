@@ -14,6 +14,7 @@
 #include "host/formats/sha256.hpp"
 #include "host/gap/answer/diagnosis_json.hpp"
 #include "host/gap/chamber/diagnose_map.hpp"
+#include "host/gap/chamber/map_causes.hpp"
 #include "host/report/map_page.hpp"
 
 namespace umov::cli {
@@ -75,6 +76,10 @@ void diagnose_luminaire(const LuminaireDiagnosis& asked, const Common& common) {
   } else if (!common.quiet) {
     print_diagnosis(result.answer, source);
   }
+}
+
+std::vector<gap::Effect> luminaire_effects(const std::string& scene) {
+  return gap::map_effects(chamber::described_scene(scene));
 }
 
 }  // namespace umov::cli

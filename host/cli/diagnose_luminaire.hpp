@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/cli/command.hpp"
+#include "host/gap/engine/forward_model.hpp"
 
 namespace umov::cli {
 
@@ -18,5 +19,8 @@ struct LuminaireDiagnosis {
 
 /// The answer goes to the files that are named, and to the terminal.
 void diagnose_luminaire(const LuminaireDiagnosis& asked, const Common& common);
+
+/// What a diagnosis of maps of this scene can name.
+std::vector<gap::Effect> luminaire_effects(const std::string& scene);
 
 }  // namespace umov::cli

@@ -71,6 +71,24 @@ class DiagnoseMap(UmovCase):
                 self.assertEqual({"gap", "luminance", "maps", "signature"}, set(kinds))
                 self.assertIn("NRMSE", browser.evaluate("document.body.innerText"))
 
+    def test_the_catalogue_is_that_of_the_scene(self):
+        scene = small("matt-chamber.toml")
+        self.write("scene.toml", scene)
+        listed = json.loads(self.must("--json", "diagnose", "--effects", "--luminaire", "scene.toml").stdout)
+        sources = next(effect for effect in listed if effect["effect"] == "source_exitance")
+        self.assertEqual([p["name"] for p in sources["parameters"]], ["source_2", "source_3", "source_4"])
+        lobes = {effect.get("family") for effect in listed if effect["effect"] == "near_specular_lobe"}
+        self.assertEqual(lobes, {"alpha 0.06", "alpha 0.12", "alpha 0.24"})
+        # Another base doubles what surfaces can do; one source cannot be unequal, and stands on no ring.
+        other = scene.replace("[surfaces.white]", '[surfaces.grey]\nmodel = "lambertian"\nrho = 0.5\n[surfaces.white]')
+        other = other.replace('wall = "white"', 'wall = "white"\nbase = "grey"').replace("count = 4", "count = 1").replace("ring_radius_mm = 8", "ring_radius_mm = 0")
+        self.write("other.toml", other)
+        text = self.must("diagnose", "--effects", "--luminaire", "other.toml").stdout
+        self.assertIn("wall_absorption (white)", text)
+        self.assertIn("near_specular_lobe (grey, alpha 0.12)", text)
+        self.assertNotIn("source_exitance", text)
+        self.assertNotIn("ring_mm", text)
+
     def test_unequal_sources_show_in_a_table_without_errors(self):
         self.write("scene.toml", small("matt-chamber.toml"))
         unequal = small("matt-chamber.toml").replace("flux_lm = 0.96", "flux_lm = [1.16, 0.96, 0.76, 0.96]")

@@ -36,19 +36,12 @@ std::vector<std::string> notes_of(const chamber::MeasuredMap& measured, std::siz
   return notes;
 }
 
-/// In the order of the signatures, before any is simulated.
-std::vector<Effect> known_effects(const chamber::Described& luminaire) {
-  std::vector<Effect> effects;
-  for (const MapCause& cause : map_causes(luminaire, 1.0).causes) effects.push_back(cause.effect);
-  return effects;
-}
-
 }  // namespace
 
 MapDiagnosis diagnose_map(const chamber::Described& luminaire, const chamber::MeasuredMap& measured,
                           const MapDiagnoseOptions& options) {
   DiagnoseOptions engine = options.diagnose;
-  engine.search.without = effects_named(options.without, known_effects(luminaire));
+  engine.search.without = effects_named(options.without, map_effects(luminaire));
   MapOptions maps = options.signatures;
   maps.joined = joined_for(measured.map, options.most_pixels);
   const auto signatures = std::make_shared<const MapSignatures>(map_signatures(luminaire, maps));

@@ -274,4 +274,18 @@ MapCauses map_causes(const Described& luminaire, double size_mm) {
   return Catalogue(luminaire, size_mm).list();
 }
 
+double size_of(const chamber::Camera& camera) {
+  return camera.pixel_mm * static_cast<double>(std::max(camera.width, camera.height));
+}
+
+std::vector<Effect> map_effects(const Described& luminaire) {
+  std::vector<Effect> effects;
+  for (MapCause& cause : map_causes(luminaire, size_of(luminaire.view({}).camera)).causes) {
+    effects.push_back(std::move(cause.effect));
+    for (MapChange& change : cause.changes)
+      effects.back().parameters.push_back(std::move(change.parameter));
+  }
+  return effects;
+}
+
 }  // namespace umov::gap

@@ -41,4 +41,10 @@ struct MapCauses {
 /// returned refers to `luminaire`.
 MapCauses map_causes(const chamber::Described& luminaire, double size_mm);
 
+/// The window's larger side.
+double size_of(const chamber::Camera& camera);
+
+/// The catalogue for a luminaire, in the order of map_causes(); nothing is simulated.
+std::vector<Effect> map_effects(const chamber::Described& luminaire);
+
 }  // namespace umov::gap

@@ -70,10 +70,6 @@ class Simulator {
   std::size_t width_ = 0, height_ = 0;
 };
 
-double size_of(const chamber::Camera& camera) {
-  return camera.pixel_mm * static_cast<double>(std::max(camera.width, camera.height));
-}
-
 /// A changed map, and how much of the parameter is in it: the other way where there is no room.
 struct Changed {
   Map map;
