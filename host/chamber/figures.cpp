@@ -85,6 +85,7 @@ Likeness likeness(const Map& a, const Map& b) {
 
 Map moved(const Map& map, double x_pixels, double y_pixels) {
   Map out = map;
+  for (auto* bands : {&out.wavelengths_um, &out.radiance, &out.radiance_se}) bands->clear();
   const auto value = [&](long x, long y) {
     const long w = static_cast<long>(map.width) - 1;
     const long h = static_cast<long>(map.height) - 1;

@@ -17,8 +17,8 @@ struct Region {
   double x_from_mm, x_to_mm, y_from_mm, y_to_mm;
 };
 
-/// The pixels whose centres lie inside, as a map of its own. Throws umov::Error where there are
-/// none.
+/// The pixels whose centres lie inside, as a map of its own, of luminance alone. Throws umov::Error
+/// where there are none.
 Map cut(const Map& map, const Region& region);
 
 /// Of one map.
@@ -37,7 +37,7 @@ struct Likeness {
 /// Throws umov::Error for maps of different sizes.
 Likeness likeness(const Map& a, const Map& b);
 
-/// `map` moved by (x, y) pixels, bilinear, edge values repeated.
+/// The luminance of `map` moved by (x, y) pixels, bilinear, edge values repeated.
 Map moved(const Map& map, double x_pixels, double y_pixels);
 /// The move of `b`, up to `reach` pixels in x and y, that makes the NCC with `a` largest, found to
 /// 0.05 pixels; and what likeness is then.

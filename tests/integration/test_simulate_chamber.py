@@ -1,12 +1,15 @@
 """umov simulate chamber: a scene file in; map, distribution and their files out."""
 
 import json
+import os
 import re
+import shutil
+import subprocess
 import unittest
 
 import h5py
 
-from umov_case import SOURCE, UmovCase
+from umov_case import SOURCE, UMOV, UmovCase
 
 EXAMPLE = SOURCE / "examples/chambers/mixing-chamber.toml"
 SMALL = """[chamber]
@@ -56,6 +59,27 @@ class SimulateChamber(UmovCase):
         self.assertAlmostEqual(float(numbers[13 + 37 + 5]), intensity[0, 0], places=4)
         cd_per_klm = float((self.folder / "c.ldt").read_text().splitlines()[42 + 4 + 37])
         self.assertAlmostEqual(cd_per_klm * 2 / 1000, intensity[0, 0], places=4)
+
+    @unittest.skipUnless(shutil.which("mpirun"), "mpirun is not installed")
+    def test_any_number_of_ranks_and_threads_gives_the_same_bits(self):
+        scene = self.scene(SMALL)
+        environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+
+        def run(*launcher, threads, output):
+            command = [*launcher, UMOV, "simulate", "chamber", scene, "-o", output, "--threads", threads, "--json", "--quiet"]
+            done = subprocess.run([str(word) for word in command], cwd=self.folder, timeout=120, env=environment, capture_output=True, text=True,
+                                  check=True)
+            with h5py.File(self.folder / output) as file:
+                columns = {}
+                file.visititems(lambda name, node: columns.update({name: node[:].tobytes()}) if isinstance(node, h5py.Dataset) else None)
+            return json.loads(done.stdout), columns
+
+        alone = run(threads=1, output="alone.h5")
+        self.assertIn("map/luminance_cd_m2", alone[1])
+        self.assertIn("lid/intensity_se", alone[1])
+        for ranks, threads in ((1, 2), (2, 1), (4, 1), (4, 2)):
+            team = run("mpirun", "--oversubscribe", "--bind-to", "none", "-n", ranks, threads=threads, output=f"team{ranks}{threads}.h5")
+            self.assertEqual(team, alone, f"{ranks} ranks of {threads} threads")
 
     def test_a_map_is_like_itself_and_less_like_another(self):
         scene = self.scene(SMALL)
