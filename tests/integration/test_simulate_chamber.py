@@ -71,7 +71,7 @@ class SimulateChamber(UmovCase):
                                   check=True)
             with h5py.File(self.folder / output) as file:
                 columns = {}
-                file.visititems(lambda name, node: columns.update({name: node[:].tobytes()}) if isinstance(node, h5py.Dataset) else None)
+                file.visititems(lambda name, node: columns.update({name: node[:].tobytes()}) if getattr(node, "dtype", None) == float else None)
             return json.loads(done.stdout), columns
 
         alone = run(threads=1, output="alone.h5")

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "host/chamber/synthetic_mcpet.hpp"
+#include "host/gap/chamber/smoothing.hpp"
 #include "host/optics/angles.hpp"
 
 namespace umov::gap {
@@ -134,7 +135,8 @@ MapSignatures map_signatures(const MixingChamber& chamber, const MapOptions& opt
   s.chamber = chamber;
   s.options = options;
   std::vector<Cause> all = causes();
-  double jobs = 6.0;
+  double jobs = 2.0 + static_cast<double>(options.rays_per_pixel) /
+                          static_cast<double>(options.rays_per_signature);
   for (const Cause& cause : all) jobs += static_cast<double>(cause.changes.size());
   double done = 0.0;
   const auto simulated = [&](const MixingChamber& c, std::uint64_t rays, std::uint64_t seed) {
@@ -149,8 +151,10 @@ MapSignatures map_signatures(const MixingChamber& chamber, const MapOptions& opt
     return chamber::luminance_map(tracer, c.camera(options.coarser), request);
   };
   // Changes share the random numbers of what they are taken from, and none with the map itself.
-  const auto changed = [&](const MixingChamber& c) {
-    return simulated(c, options.rays_per_signature, options.seed + 1);
+  // Each is found twice, with half of the rays: where both agree it is a change, else noise.
+  const auto half = [&](const MixingChamber& c, std::uint64_t number) {
+    return simulated(c, std::max<std::uint64_t>(2, options.rays_per_signature / 2),
+                     options.seed + 1 + number);
   };
   s.map = simulated(chamber, options.rays_per_pixel, options.seed);
 
@@ -158,14 +162,17 @@ MapSignatures map_signatures(const MixingChamber& chamber, const MapOptions& opt
   const double a = 0.5 * chamber.diameter_mm - 1.5 * s.map.pixel_mm;
   const double b = 0.5 * chamber.diameter_mm * std::cos(optics::radians(chamber.view_deg)) -
                    1.5 * s.map.pixel_mm;
+  std::vector<double> pixel_x, pixel_y;
   for (std::size_t y = 0; y < s.map.height; ++y) {
     for (std::size_t x = 0; x < s.map.width; ++x) {
       const double mm_x =
           s.map.pixel_mm * (static_cast<double>(x) + 0.5 - 0.5 * static_cast<double>(s.map.width));
       const double mm_y =
           s.map.pixel_mm * (static_cast<double>(y) + 0.5 - 0.5 * static_cast<double>(s.map.height));
-      if (std::pow(mm_x / a, 2) + std::pow(mm_y / b, 2) < 1.0)
-        s.pixels.push_back(y * s.map.width + x);
+      if (std::pow(mm_x / a, 2) + std::pow(mm_y / b, 2) >= 1.0) continue;
+      s.pixels.push_back(y * s.map.width + x);
+      pixel_x.push_back(static_cast<double>(x));
+      pixel_y.push_back(static_cast<double>(y));
     }
   }
   const auto inside = [&](const std::vector<double>& values) {
@@ -178,8 +185,13 @@ MapSignatures map_signatures(const MixingChamber& chamber, const MapOptions& opt
   s.se = inside(s.map.luminance_se);
   MixingChamber plain = chamber;
   plain.wall = matt(total);
-  const Eigen::VectorXd plain_mean = inside(changed(plain).luminance_cd_m2);
-  const Eigen::VectorXd own_mean = inside(changed(chamber).luminance_cd_m2);
+  using Halves = std::array<Eigen::VectorXd, 2>;
+  const auto halves = [&](const MixingChamber& c) -> Halves {
+    return {inside(half(c, 0).luminance_cd_m2), inside(half(c, 1).luminance_cd_m2)};
+  };
+  const Halves plain_mean = halves(plain);
+  const Halves own_mean = halves(chamber);
+  const Smoothing smoothing(pixel_x, pixel_y);
   s.highlight = Eigen::VectorXd::Zero(s.mean.size());
   for (Cause& cause : all) {
     MapEffect one{cause.effect,
@@ -189,9 +201,10 @@ MapSignatures map_signatures(const MixingChamber& chamber, const MapOptions& opt
       const Change& change = cause.changes[k];
       MixingChamber c = cause.on_matt_wall ? plain : chamber;
       change.apply(c, change.step);
-      const Eigen::VectorXd& from = cause.on_matt_wall ? plain_mean : own_mean;
+      const Halves& from = cause.on_matt_wall ? plain_mean : own_mean;
+      const Halves to = halves(c);
       one.columns.col(static_cast<Eigen::Index>(k)) =
-          (inside(changed(c).luminance_cd_m2) - from) / change.step;
+          smoothing.mean((to[0] - from[0]) / change.step, (to[1] - from[1]) / change.step);
       one.effect.parameters.push_back(change.parameter);
       Probe probe(cause.changes.size(), 0.0);
       probe[k] = change.parameter.prior_u;

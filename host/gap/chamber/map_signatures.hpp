@@ -31,7 +31,8 @@ struct MapEffect {
 };
 
 /// Made once for a chamber and a model of its wall; any number of measured maps can be held
-/// against it. Derivatives are differences of maps that share their random numbers.
+/// against it. Derivatives are differences of maps that share their random numbers, smoothed as far
+/// as they are smooth (smoothing.hpp).
 struct MapSignatures {
   chamber::MixingChamber chamber;
   MapOptions options;
