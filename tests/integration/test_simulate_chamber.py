@@ -81,6 +81,21 @@ class SimulateChamber(UmovCase):
             team = run("mpirun", "--oversubscribe", "--bind-to", "none", "-n", ranks, threads=threads, output=f"team{ranks}{threads}.h5")
             self.assertEqual(team, alone, f"{ranks} ranks of {threads} threads")
 
+    def test_colours_are_kept_band_by_band(self):
+        (self.folder / "led.csv").write_text("wavelength_nm,power\n380,0\n450,3\n500,1\n600,2\n780,0\n", encoding="utf-8")
+        text = SMALL.replace("rho = 0.9", "rho = [0.2, 0.5, 0.9, 0.9]") + "[bands]\nwavelength_nm = [430, 500, 570, 640]\n"
+        scene = self.scene(text.replace("flux_lm = 2", 'flux_lm = 2\nspectrum = { file = "led.csv", column = "power" }'))
+        said = json.loads(self.must("simulate", "chamber", scene, "-o", "sim.h5", "--json", "--quiet").stdout)
+        with h5py.File(self.folder / "sim.h5") as file:
+            radiance = file["map/radiance"][:]
+            self.assertEqual(radiance.shape, (4, 12, 20))
+            self.assertEqual([round(um, 9) for um in file["map/wavelength_um"][:]], [0.43, 0.5, 0.57, 0.64])
+            # The wall in view takes blue out of the light, at every bounce again; the LED has more of it than of red.
+            self.assertLess(radiance[0].mean(), 0.5 * radiance[3].mean())
+            self.assertEqual(file["lid/spectrum_out"].shape, (4,))
+        self.assertAlmostEqual(said["map"]["bands"][2]["mean_radiance"], radiance[2].mean(), places=9)
+        self.must("simulate", "chamber", scene, "--compare", "sim.h5", "--quiet")  # read again, checksum and all
+
     def test_a_map_is_like_itself_and_less_like_another(self):
         scene = self.scene(SMALL)
         self.must("simulate", "chamber", scene, "-o", "a.h5", "--quiet")
