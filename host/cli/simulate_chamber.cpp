@@ -302,6 +302,10 @@ void add_simulate_chamber_command(CLI::App& simulate, const Common& common) {
   command->add_option("--tolerance-ugr", options->tolerances.ugr, "for --advise: units of UGR")
       ->check(CLI::Range(1e-3, 100.0))
       ->capture_default_str();
+  command->footer(
+      "Examples:\n"
+      "  umov simulate chamber examples/chambers/mixing-chamber.toml --png map.png --ies lamp.ies\n"
+      "  mpirun -n 8 umov simulate chamber lamp.toml -o sim.h5");
   command->callback([options, &common] { run(*options, common); });
 }
 
