@@ -40,6 +40,7 @@ struct AdviceRequest {
   std::uint64_t seed = 1;
   int threads = 0;
   std::function<void(double)> progress = {};
+  const Team* team = nullptr;  ///< all must make the same request; changes no result
 };
 
 /// Throws umov::Error where every surface is Lambertian: nothing can be simplified. Maps are taken

@@ -49,6 +49,7 @@ Map joined(const Map& map, std::size_t n) {
         "join fewer");
   }
   Map out = map;
+  for (auto* bands : {&out.wavelengths_um, &out.radiance, &out.radiance_se}) bands->clear();
   out.width = map.width / n;
   out.height = map.height / n;
   out.pixel_mm = map.pixel_mm * static_cast<double>(n);
@@ -111,6 +112,7 @@ Likeness likeness(const Map& a, const Map& b) {
 
 Map moved(const Map& map, double x_pixels, double y_pixels) {
   Map out = map;
+  for (auto* bands : {&out.wavelengths_um, &out.radiance, &out.radiance_se}) bands->clear();
   const auto value = [&](long x, long y) {
     const long w = static_cast<long>(map.width) - 1;
     const long h = static_cast<long>(map.height) - 1;

@@ -30,6 +30,16 @@ std::array<Column, 2> map_columns(Map& map) {
            {"/map/luminance_se", "cd/m2", &map.luminance_se}}};
 }
 
+/// [band, y, x], where the map has bands.
+std::array<Column, 2> band_columns(Map& map) {
+  return {{{"/map/radiance", "W/(m2 sr nm)", &map.radiance},
+           {"/map/radiance_se", "W/(m2 sr nm)", &map.radiance_se}}};
+}
+
+constexpr const char* map_wavelengths = "/map/wavelength_um";
+constexpr const char* lid_wavelengths = "/lid/wavelength_um";
+constexpr const char* lid_spectrum = "/lid/spectrum_out";
+
 std::array<Column, 2> lid_columns(Distribution& d) {
   return {
       {{"/lid/intensity_cd", "cd", &d.intensity_cd}, {"/lid/intensity_se", "cd", &d.intensity_se}}};
@@ -42,10 +52,20 @@ std::string content_sha256(Result& result) {
   if (result.map) {
     for (const Column& c : map_columns(*result.map))
       hash.column(c.path, std::span<const double>(*c.values));
+    if (!result.map->wavelengths_um.empty()) {
+      hash.column(map_wavelengths, std::span<const double>(result.map->wavelengths_um));
+      for (const Column& c : band_columns(*result.map))
+        hash.column(c.path, std::span<const double>(*c.values));
+    }
   }
   if (result.distribution) {
+    const Distribution& d = *result.distribution;
     for (const Column& c : lid_columns(*result.distribution))
       hash.column(c.path, std::span<const double>(*c.values));
+    if (!d.wavelengths_um.empty()) {
+      hash.column(lid_wavelengths, std::span<const double>(d.wavelengths_um));
+      hash.column(lid_spectrum, std::span<const double>(d.fate.spectrum_out));
+    }
   }
   return hash.hex_digest();
 }
@@ -114,6 +134,12 @@ void write_sim_h5(const std::filesystem::path& path, const Result& given,
     set_attributes(file, "/map", numbers_of(*result.map));
     for (const Column& c : map_columns(*result.map))
       file.matrix(c.path, *c.values, result.map->height, result.map->width, c.unit);
+    if (!result.map->wavelengths_um.empty()) {
+      Map& map = *result.map;
+      file.column(map_wavelengths, std::span<const double>(map.wavelengths_um), "um");
+      const std::array<std::size_t, 3> shape{map.wavelengths_um.size(), map.height, map.width};
+      for (const Column& c : band_columns(map)) file.array(c.path, *c.values, shape, c.unit);
+    }
     file.attribute("/map", "meaning",
                    "row 0 is the lowest, column 0 the leftmost; standard errors are of the "
                    "simulation's noise alone");
@@ -126,6 +152,10 @@ void write_sim_h5(const std::filesystem::path& path, const Result& given,
     file.column("/lid/gamma_deg", std::span<const double>(d.gamma_deg), "deg");
     for (const Column& c : lid_columns(d))
       file.matrix(c.path, *c.values, d.c_deg.size(), d.gamma_deg.size(), c.unit);
+    if (!d.wavelengths_um.empty()) {
+      file.column(lid_wavelengths, std::span<const double>(d.wavelengths_um), "um");
+      file.column(lid_spectrum, std::span<const double>(d.fate.spectrum_out), "W/nm");
+    }
   }
   formats::replace_file(path, file.finish());
 }
@@ -138,6 +168,15 @@ Result read_sim_h5(const std::filesystem::path& path) {
   if (file.has("/map/luminance_cd_m2")) {
     Map map;
     for (const Column& c : map_columns(map)) *c.values = file.matrix(c.path, map.height, map.width);
+    if (file.has(map_wavelengths)) {
+      map.wavelengths_um = file.doubles(map_wavelengths);
+      std::array<std::size_t, 3> shape{};
+      for (const Column& c : band_columns(map)) {
+        *c.values = file.array(c.path, shape);
+        if (shape != std::array{map.wavelengths_um.size(), map.height, map.width})
+          file.fail(c.path, "does not fit its wavelengths and the map");
+      }
+    }
     map.pixel_mm = number_of(result, "pixel_mm", name);
     map.rays_per_pixel = static_cast<std::uint64_t>(number_of(result, "rays_per_pixel", name));
     result.map = std::move(map);
@@ -152,6 +191,12 @@ Result read_sim_h5(const std::filesystem::path& path) {
       *c.values = file.matrix(c.path, planes, angles);
       if (planes != d.c_deg.size() || angles != d.gamma_deg.size())
         file.fail(c.path, "does not fit its angles");
+    }
+    if (file.has(lid_wavelengths)) {
+      d.wavelengths_um = file.doubles(lid_wavelengths);
+      d.fate.spectrum_out = file.doubles(lid_spectrum);
+      if (d.fate.spectrum_out.size() != d.wavelengths_um.size())
+        file.fail(lid_spectrum, "does not fit its wavelengths");
     }
     d.source_lm = number_of(result, "source_lm", name);
     d.out_lm = number_of(result, "out_lm", name);

@@ -35,6 +35,7 @@ class Reader {
       : name_(file.string()), root_(table, name_, ""), materials_(file), departure_(departure) {}
 
   Job read() {
+    if (root_.has("bands")) read_bands();
     materials_.read_named(root_);
     // Sources of a chamber make holes in its base, so they come first.
     std::vector<SceneTable> sources = root_.tables("source");
@@ -81,6 +82,42 @@ class Reader {
   static bool flag(SceneTable& table, std::string_view key, bool preset) {
     if (!table.has(key)) return preset;
     return table.text(key, {"yes", "no"}) == "yes";
+  }
+
+  void read_bands() {
+    SceneTable table = root_.table("bands");
+    std::vector<double> um = table.numbers("wavelength_nm", 1.0, 1e5);
+    for (double& w : um) w *= 1e-3;
+    table.refuse_unknown();
+    try {
+      job_.luminaire.bands.emplace(std::move(um));
+    } catch (const Error& error) {
+      table.fail("wavelength_nm", "gives " + error.problem(), error.remedy());
+    }
+    materials_.use(*job_.luminaire.bands);
+  }
+
+  /// W/nm of a lumen by band; of the same power everywhere where the source does not say.
+  std::vector<double> spectrum(SceneTable& table) const {
+    constexpr const char* key = "spectrum";
+    if (!job_.luminaire.bands) {
+      if (table.has(key)) {
+        table.fail(key, "is given, but the scene has no bands",
+                   "add [bands] with wavelength_nm, or leave it out");
+      }
+      return {};
+    }
+    const Bands& bands = *job_.luminaire.bands;
+    std::vector<double> power(bands.size(), 1.0);
+    constexpr double most = 1e30;
+    if (table.has(key)) {
+      power = table.is_list(key) ? table.spectrum(key, bands.size(), 0.0, most)
+                                 : bands.means(table.spectrum(key, bands.fine_um(), 0.0, most));
+    }
+    const double lumens = bands.luminous(power);
+    if (!(lumens > 0.0)) table.fail(key, "has no light in the bands", "widen [bands]");
+    for (double& p : power) p /= lumens;
+    return power;
   }
 
   std::pair<double, double> range(SceneTable& table, std::string_view key) {
@@ -169,6 +206,7 @@ class Reader {
       }
       e.normal = normal / area;
       e.flux_lm = excess(l.emitters.size()) * fluxes(table, 1, file_flux)[0];
+      e.spectrum = spectrum(table);
       e.table = intensities;
       e.name = "source " + std::to_string(l.emitters.size() + 1);
       table.refuse_unknown();
@@ -207,6 +245,7 @@ class Reader {
     }
     const auto edge = edge_of(table);
     const std::vector<double> flux = fluxes(table, count, file_flux);
+    const std::vector<double> power = spectrum(table);
     table.refuse_unknown();
     for (std::size_t i = 0; i < places.size(); ++i) {
       const Vec3& at = places[i];
@@ -219,6 +258,7 @@ class Reader {
       e.half_v = Vec3(0.0, down ? -radius : radius, 0.0);
       e.disc = true;
       e.table = intensities;
+      e.spectrum = power;
       l.add_emitter(e, surface);
       if (!in_base) continue;
       if (std::hypot(at.x, at.y) + radius > chamber_->radius) {

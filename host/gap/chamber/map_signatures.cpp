@@ -1,12 +1,14 @@
 #include "host/gap/chamber/map_signatures.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
 #include "host/chamber/figures.hpp"
 #include "host/errors/error.hpp"
 #include "host/gap/chamber/map_causes.hpp"
+#include "host/gap/chamber/smoothing.hpp"
 
 namespace umov::gap {
 namespace {
@@ -70,16 +72,27 @@ class Simulator {
   std::size_t width_ = 0, height_ = 0;
 };
 
+/// A map found twice, each time with half of the rays: where both agree on a change it is one, else
+/// it is noise.
+using Halves = std::array<Map, 2>;
+
+Halves halves(Simulator& simulator, const View& view, const MapOptions& options) {
+  const auto half = [&](std::uint64_t number) {
+    return simulator.simulate(view, std::max<std::uint64_t>(2, options.rays_per_signature / 2),
+                              options.seed + 1 + number);
+  };
+  return {half(0), half(1)};
+}
+
 /// A changed map, and how much of the parameter is in it: the other way where there is no room.
 struct Changed {
-  Map map;
+  Halves maps;
   double amount;
 };
 
 Changed changed(Simulator& simulator, const MapChange& change, const MapOptions& options) {
   const auto with = [&](double amount) {
-    const View view = change.view(amount);
-    return Changed{simulator.simulate(view, options.rays_per_signature, options.seed + 1), amount};
+    return Changed{halves(simulator, change.view(amount), options), amount};
   };
   if (change.parameter.lo >= 0.0) return with(change.step);
   try {
@@ -104,18 +117,43 @@ struct Shown {
   std::vector<Changed> maps;
 };
 
-MapEffect signature_of(const Shown& shown, const Map& from,
-                       const std::vector<std::size_t>& pixels) {
+/// Which pixels are used, and what becomes of a change at them.
+class Reduction {
+ public:
+  Reduction(const std::vector<std::size_t>& pixels, std::size_t width)
+      : pixels_(pixels), smoothing_(places(pixels, width, true), places(pixels, width, false)) {}
+
+  Eigen::VectorXd change(const Halves& from, const Changed& to) const {
+    const auto half = [&](std::size_t i) -> Eigen::VectorXd {
+      return (at_pixels(to.maps[i].luminance_cd_m2, pixels_) -
+              at_pixels(from[i].luminance_cd_m2, pixels_)) /
+             to.amount;
+    };
+    return smoothing_.mean(half(0), half(1));
+  }
+
+ private:
+  static std::vector<double> places(const std::vector<std::size_t>& pixels, std::size_t width,
+                                    bool along_x) {
+    std::vector<double> out;
+    for (const std::size_t pixel : pixels)
+      out.push_back(static_cast<double>(along_x ? pixel % width : pixel / width));
+    return out;
+  }
+
+  const std::vector<std::size_t>& pixels_;
+  Smoothing smoothing_;
+};
+
+MapEffect signature_of(const Shown& shown, const Halves& from, const Reduction& reduction) {
+  MapEffect one{shown.cause->effect, {}};
   const std::size_t count = shown.maps.size();
-  MapEffect one{shown.cause->effect, Eigen::MatrixXd(static_cast<Eigen::Index>(pixels.size()),
-                                                     static_cast<Eigen::Index>(count))};
   std::vector<Probe> probes;
   for (std::size_t k = 0; k < count; ++k) {
+    const Eigen::VectorXd column = reduction.change(from, shown.maps[k]);
+    one.columns.conservativeResize(column.size(), static_cast<Eigen::Index>(k + 1));
+    one.columns.col(static_cast<Eigen::Index>(k)) = column;
     const Parameter& parameter = shown.cause->changes[k].parameter;
-    one.columns.col(static_cast<Eigen::Index>(k)) =
-        (at_pixels(shown.maps[k].map.luminance_cd_m2, pixels) -
-         at_pixels(from.luminance_cd_m2, pixels)) /
-        shown.maps[k].amount;
     one.effect.parameters.push_back(parameter);
     Probe probe(count, 0.0);
     probe[k] = parameter.prior_u;
@@ -140,10 +178,9 @@ MapSignatures map_signatures(const chamber::Described& luminaire, const MapOptio
 
   // Changes share the random numbers of what they are taken from, and none with the map itself.
   s.map = simulator.simulate(plain, options.rays_per_pixel, options.seed);
-  const Map own = simulator.simulate(plain, options.rays_per_signature, options.seed + 1);
-  std::vector<Map> origins;
-  for (const auto& view : list.origins)
-    origins.push_back(simulator.simulate(view(), options.rays_per_signature, options.seed + 1));
+  const Halves own = halves(simulator, plain, options);
+  std::vector<Halves> origins;
+  for (const auto& view : list.origins) origins.push_back(halves(simulator, view(), options));
   std::vector<Shown> all;
   for (const MapCause& cause : list.causes) {
     all.push_back({&cause, {}});
@@ -158,9 +195,10 @@ MapSignatures map_signatures(const chamber::Described& luminaire, const MapOptio
   s.mean = at_pixels(s.map.luminance_cd_m2, s.pixels);
   s.se = at_pixels(s.map.luminance_se, s.pixels);
   s.highlight = Eigen::VectorXd::Zero(s.mean.size());
+  const Reduction reduction(s.pixels, s.map.width);
   for (const Shown& shown : all) {
-    const Map& from = shown.cause->origin ? origins[*shown.cause->origin] : own;
-    s.effects.push_back(signature_of(shown, from, s.pixels));
+    s.effects.push_back(
+        signature_of(shown, shown.cause->origin ? origins[*shown.cause->origin] : own, reduction));
     const Eigen::VectorXd& first = s.effects.back().columns.col(0);
     if (shown.cause->effect.name == "near_specular_lobe" && first.maxCoeff() > 0.0)
       s.highlight = s.highlight.cwiseMax(first / first.maxCoeff());

@@ -31,7 +31,8 @@ struct MapEffect {
 };
 
 /// Made once for a luminaire and its camera; any number of measured maps can be held against it.
-/// Derivatives are differences of maps that share their random numbers.
+/// Derivatives are differences of maps that share their random numbers, smoothed as far as they are
+/// smooth (smoothing.hpp).
 struct MapSignatures {
   MapOptions options;
   /// Those used, of the joined map: they see the luminaire however it is changed, and so do their
