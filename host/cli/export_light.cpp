@@ -62,6 +62,7 @@ Photometry distribution_in(const std::string& input, const std::string& bytes,
   Photometry p = result.distribution->photometry();
   p.maker = program;
   p.name = input;
+  p.report = "simulated";
   return p;
 }
 

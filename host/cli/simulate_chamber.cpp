@@ -254,6 +254,7 @@ void run(const Options& options, const Common& common) {
     formats::Photometry photometry = result.distribution->photometry();
     photometry.maker = "umov " UMOV_VERSION;
     photometry.name = options.scene;
+    photometry.report = "simulated";
     photometry.length_mm = job.luminaire.opening_diameter_mm;
     if (!options.ies.empty()) formats::replace_file(options.ies, formats::ies_text(photometry));
     if (!options.ldt.empty()) {

@@ -68,7 +68,7 @@ Photometry parse_eulumdat(std::string_view text, const std::string& file) {
   if (planes == 0 || angles < 2)
     lines.refuse("C planes", fmt::format("{} planes of {} angles", planes, angles),
                  "a distribution has one plane of two angles at least");
-  lines.skip(1, "report");
+  p.report = std::string(trimmed(lines.text("report")));
   p.name = std::string(trimmed(lines.text("name")));
   p.number = std::string(trimmed(lines.text("number")));
   lines.skip(2, "file, date");
@@ -153,7 +153,7 @@ std::string eulumdat_text(const Photometry& p) {
   number(spacing(p.c_deg));
   number(static_cast<double>(p.gamma_deg.size()));
   number(spacing(p.gamma_deg));
-  text("simulated");
+  text(printable(p.report, 78));
   text(printable(p.name, 78));
   text(printable(p.number, 78));
   text("");

@@ -63,6 +63,7 @@ void keyword(std::string_view line, Photometry& into) {
   const auto value_of = [&](std::string_view name) -> std::string {
     return line.starts_with(name) ? std::string(trimmed(line.substr(name.size()))) : std::string();
   };
+  if (const auto v = value_of("[TEST]"); !v.empty()) into.report = v;
   if (const auto v = value_of("[MANUFAC]"); !v.empty()) into.maker = v;
   if (const auto v = value_of("[LUMINAIRE]"); !v.empty()) into.name = v;
   if (const auto v = value_of("[LUMCAT]"); !v.empty()) into.number = v;
@@ -147,7 +148,7 @@ Photometry parse_ies(std::string_view text, const std::string& file) {
 
 std::string ies_text(const Photometry& p) {
   std::string out = "IESNA:LM-63-2002\r\n";
-  out += "[TEST] simulated\r\n[MANUFAC] " + printable(p.maker) + "\r\n[LUMCAT] " +
+  out += "[TEST] " + printable(p.report) + "\r\n[MANUFAC] " + printable(p.maker) + "\r\n[LUMCAT] " +
          printable(p.number) + "\r\n[LUMINAIRE] " + printable(p.name) + "\r\nTILT=NONE\r\n";
   // -1 lumen says: absolute photometry.
   const bool closes = p.c_deg.size() > 1;

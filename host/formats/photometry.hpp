@@ -14,6 +14,7 @@ namespace umov::formats {
 
 struct Photometry {
   std::string maker, name, number;
+  std::string report;             ///< where the numbers come from: a test's number, "simulated"
   std::vector<double> c_deg;      ///< ascending from 0 to below 360; one alone: the same all around
   std::vector<double> gamma_deg;  ///< ascending within [0, 180]; nothing beyond the ends
   std::vector<double> candela;    ///< [c][gamma]

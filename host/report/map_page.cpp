@@ -18,17 +18,33 @@ namespace {
 
 using gap::MapPicture;
 
-/// A map row by row from below; null where there is no value.
-Json rows_of(const MapPicture& p, const std::vector<double>& values, int digits) {
-  Json rows = Json::array();
-  for (std::size_t y = 0; y < p.height; ++y)
-    rows.push_back(rounded(std::span(values).subspan(y * p.width, p.width), digits));
-  return rows;
-}
+/// The part of a map that holds its used pixels.
+struct Frame {
+  std::size_t width, x_from, x_to, y_from, y_to;
 
-Json centres(std::size_t count, double pixel_mm) {
+  explicit Frame(const MapPicture& p)
+      : width(p.width), x_from(p.width), x_to(0), y_from(p.height), y_to(0) {
+    for (std::size_t i = 0; i < p.measured.size(); ++i) {
+      if (!std::isfinite(p.measured[i])) continue;
+      x_from = std::min(x_from, i % width);
+      x_to = std::max(x_to, i % width + 1);
+      y_from = std::min(y_from, i / width);
+      y_to = std::max(y_to, i / width + 1);
+    }
+  }
+
+  /// Row by row from below; null where there is no value.
+  Json rows(const std::vector<double>& values, int digits) const {
+    Json out = Json::array();
+    for (std::size_t y = y_from; y < y_to; ++y)
+      out.push_back(rounded(std::span(values).subspan(y * width + x_from, x_to - x_from), digits));
+    return out;
+  }
+};
+
+Json centres(std::size_t from, std::size_t to, double pixel_mm) {
   std::vector<double> mm;
-  for (std::size_t i = 0; i < count; ++i) mm.push_back(pixel_mm * (static_cast<double>(i) + 0.5));
+  for (std::size_t i = from; i < to; ++i) mm.push_back(pixel_mm * (static_cast<double>(i) + 0.5));
   return rounded(mm, 6);
 }
 
@@ -52,33 +68,35 @@ std::vector<double> residual(const MapPicture& p, const std::vector<double>& mod
 
 Json maps_json(const MapPicture& p) {
   constexpr double shown = 0.98;  // of the pixels lie within the colours
+  const Frame frame(p);
   Json residuals;
   for (const bool percent : {false, true}) {
     const std::vector<double> before = residual(p, p.base, percent);
     residuals[percent ? "percent" : "sigma"] = {
-        {"before", rows_of(p, before, 3)},
-        {"after", rows_of(p, residual(p, p.best, percent), 3)},
+        {"before", frame.rows(before, 3)},
+        {"after", frame.rows(residual(p, p.best, percent), 3)},
         {"clip", rounded(std::max(percent ? 0.2 : 4.0, quantile_of_size(before, shown)), 2)}};
   }
-  return {{"x_mm", centres(p.width, p.pixel_mm)},
-          {"y_mm", centres(p.height, p.pixel_mm)},
-          {"measured", rows_of(p, p.measured, 4)},
-          {"before", rows_of(p, p.base, 4)},
-          {"after", rows_of(p, p.best, 4)},
+  return {{"x_mm", centres(frame.x_from, frame.x_to, p.pixel_mm)},
+          {"y_mm", centres(frame.y_from, frame.y_to, p.pixel_mm)},
+          {"measured", frame.rows(p.measured, 4)},
+          {"before", frame.rows(p.base, 4)},
+          {"after", frame.rows(p.best, 4)},
           {"largest", rounded(quantile_of_size(p.measured, 1.0), 4)},
           {"residual", std::move(residuals)}};
 }
 
 /// What each effect does, beside what all else leaves of the measurement.
 Json signatures_json(const MapPicture& p) {
+  const Frame frame(p);
   Json out = Json::array();
   for (const gap::MapContribution& c : p.contributions) {
     const auto view = [&](const std::vector<double>& does) {
       std::vector<double> left;
       for (std::size_t i = 0; i < does.size(); ++i)
         left.push_back(p.measured[i] - p.best[i] + does[i]);
-      return Json{{"left", rows_of(p, left, 4)},
-                  {"does", rows_of(p, does, 4)},
+      return Json{{"left", frame.rows(left, 4)},
+                  {"does", frame.rows(does, 4)},
                   {"clip", rounded(std::max(1e-9, quantile_of_size(does, 0.99)), 3)}};
     };
     out.push_back({{"plain", gap::plain_name(c.effect.name)},

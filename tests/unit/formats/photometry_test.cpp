@@ -19,6 +19,7 @@ Photometry lamp() {
   Photometry p;
   p.maker = "nobody";
   p.name = "test lamp";
+  p.report = "no. 7";
   p.lamp_lm = 4.0;
   p.length_mm = 43.0;
   for (int c = 0; c < 8; ++c) p.c_deg.push_back(45.0 * c);
@@ -51,6 +52,7 @@ TEST(Photometry, BothFormatsBringBackWhatTheyWereGiven) {
     for (std::size_t i = 0; i < p.candela.size(); ++i)
       EXPECT_NEAR(back.candela[i], p.candela[i], 1e-6);
     EXPECT_EQ(back.name, "test lamp");
+    EXPECT_EQ(back.report, "no. 7");
     EXPECT_NEAR(back.lamp_lm, 4.0, 1e-9);
     EXPECT_NEAR(back.length_mm, 43.0, 1e-9);
     EXPECT_EQ(back.width_mm, 0.0);
