@@ -93,8 +93,13 @@ class Adviser {
     std::vector<std::shared_ptr<const Surface>> ablated;
     for (const auto& surface : job_.luminaire.surfaces) {
       if (std::holds_alternative<Lambertian>(surface->kind())) continue;
-      if (std::find(ablated.begin(), ablated.end(), surface) == ablated.end())
-        ablated.push_back(surface);
+      if (std::find(ablated.begin(), ablated.end(), surface) != ablated.end()) continue;
+      if (surface->bands() > 1) {
+        throw Error(Place{surface->name()},
+                    "has a spectrum, and what is left out of it would be too",
+                    "give it its values at one wavelength: advice is about directions");
+      }
+      ablated.push_back(surface);
     }
     if (ablated.empty()) {
       throw Error("every surface of the scene is Lambertian: there is nothing to leave out",

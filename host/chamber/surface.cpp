@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
+#include "host/chamber/bands.hpp"
 #include "host/errors/error.hpp"
 #include "host/optics/angles.hpp"
 
@@ -46,8 +48,13 @@ void check_rows(const std::string& name, const DiffuseSpecular& two) {
   }
 }
 
+void check_count(const std::string& name, std::size_t bands) {
+  if (bands >= 1 && bands <= Bands::most) return;
+  refuse(name, fmt::format("{} bands", bands), fmt::format("give 1 to {}", Bands::most));
+}
+
 Surface brightest(const std::string& name, const std::vector<Surface::Kind>& bands) {
-  if (bands.empty()) refuse(name, "no band", "give one at least");
+  check_count(name, bands.size());
   std::optional<Surface> best;
   double most = 0.0;
   for (const Surface::Kind& kind : bands) {
@@ -71,6 +78,7 @@ Surface::Surface(std::string name, Kind kind) : name_(std::move(name)), kind_(st
   } else if (const auto* two = std::get_if<DiffuseSpecular>(&kind_)) {
     check_rows(name_, *two);
   } else {
+    check_count(name_, this->bands());
     check();
   }
 }
@@ -146,7 +154,8 @@ void Surface::weigh(const Drawn& drawn, const Vec3& known, Sense sense,
     for (std::size_t b = 0; b < bands.size(); ++b) bands[b] *= facing.mirror(b) / probability;
     return;
   }
-  std::vector<double> f(bands.size());
+  std::array<double, Bands::most> room;
+  const std::span<double> f = std::span(room).first(bands.size());
   if (sense == Sense::with_light) {
     values(known, drawn.direction, f);
   } else {

@@ -242,7 +242,10 @@ class GapStudy {
         "Right: the effect is the first cause named, or among those that the map cannot tell "
         "apart; for nothing, nothing is named; for what no catalogue has, the verdict says that "
         "it is not explained. Measured maps are traced anew in the changed chamber, with other "
-        "random numbers: the diagnosis' linear changes are only near them.");
+        "random numbers: the diagnosis' linear changes are only near them. These changes are "
+        "smoothed as far as two halves of their rays agree (`host/gap/chamber/smoothing.hpp`): "
+        "with its noise a fit would take the change by the edges, which few and bright paths make, "
+        "too small, and the depth of the sources would stand in for the rest.");
   }
 
   void targets() {
