@@ -47,13 +47,12 @@ std::vector<Variant> variants(const Surface& full) {
   all.push_back(
       {"reflectance alone", 1, std::make_shared<Surface>(full.name(), Lambertian{total})});
   const std::array six{5.0, 25.0, 45.0, 60.0, 70.0, 80.0};
-  DiffuseSpecular two{total, {}, {}};
-  for (const double theta : six) {
-    two.theta_i_deg.push_back(theta);
-    two.specular.push_back(std::min(total, measured_specular(full, theta)));
-  }
+  std::vector<double> specular;
+  for (const double theta : six)
+    specular.push_back(std::min(total, measured_specular(full, theta)));
   all.push_back({"reflectance and 6 specular readings", 7,
-                 std::make_shared<Surface>(full.name(), std::move(two))});
+                 std::make_shared<Surface>(
+                     full.name(), DiffuseSpecular(total, {six.begin(), six.end()}, specular))});
   const std::vector<std::pair<std::vector<double>, double>> tables{
       {{10.0, 70.0}, 10.0},
       {{5.0, 45.0, 75.0}, 10.0},
@@ -94,8 +93,13 @@ class Adviser {
     std::vector<std::shared_ptr<const Surface>> ablated;
     for (const auto& surface : job_.luminaire.surfaces) {
       if (std::holds_alternative<Lambertian>(surface->kind())) continue;
-      if (std::find(ablated.begin(), ablated.end(), surface) == ablated.end())
-        ablated.push_back(surface);
+      if (std::find(ablated.begin(), ablated.end(), surface) != ablated.end()) continue;
+      if (surface->bands() > 1) {
+        throw Error(Place{surface->name()},
+                    "has a spectrum, and what is left out of it would be too",
+                    "give it its values at one wavelength: advice is about directions");
+      }
+      ablated.push_back(surface);
     }
     if (ablated.empty()) {
       throw Error("every surface of the scene is Lambertian: there is nothing to leave out",
@@ -139,6 +143,7 @@ class Adviser {
       map.rays_per_pixel = request_.rays_per_pixel;
       map.seed = seed;
       map.threads = request_.threads;
+      map.team = request_.team;
       const Map whole = luminance_map(tracer, camera_, map);
       if (job_.glare) taken.ugr = glare_rating(whole, *job_.glare).ugr_map;
       taken.map = job_.region ? cut(whole, *job_.region) : whole;
@@ -148,6 +153,7 @@ class Adviser {
       request.rays = request_.launches;
       request.seed = seed;
       request.threads = request_.threads;
+      request.team = request_.team;
       request.progress = {};
       taken.distribution = intensity_distribution(tracer, request);
     }

@@ -40,9 +40,11 @@ struct AdviceRequest {
   std::uint64_t seed = 1;
   int threads = 0;
   std::function<void(double)> progress = {};
+  const Team* team = nullptr;  ///< all must make the same request; changes no result
 };
 
-/// Throws umov::Error where every surface is Lambertian: nothing can be simplified. Maps are taken
+/// Throws umov::Error where every surface is Lambertian, as nothing can be simplified, and for one
+/// that is not and has a spectrum. Maps are taken
 /// with at most some 2,000 pixels. Tables too coarse to hold the light of their lobe (see
 /// PlanesSurface) are left out.
 Advice advise(const Job& job, const AdviceRequest& request);

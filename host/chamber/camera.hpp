@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/chamber/tracer.hpp"
+#include "host/parallel/team.hpp"
 
 namespace umov::chamber {
 
@@ -32,6 +33,9 @@ struct Map {
   double pixel_mm = 1.0;
   std::vector<double> luminance_cd_m2, luminance_se;
   std::uint64_t rays_per_pixel = 0;
+  /// Of a luminaire with bands: spectral radiance in W/(m² sr nm), band after band; the luminance
+  /// is its V(λ)-weighted sum.
+  std::vector<double> wavelengths_um, radiance, radiance_se;
   Work work;
 
   double at(std::size_t x, std::size_t y) const { return luminance_cd_m2[y * width + x]; }
@@ -43,6 +47,7 @@ struct MapRequest {
   std::uint64_t seed = 1;
   int threads = 0;                            ///< 0: all cores; the map does not depend on it
   std::function<void(double)> progress = {};  ///< share that is done; may throw to stop
+  const Team* team = nullptr;  ///< all must make the same request; the map does not depend on it
 };
 
 /// Throws umov::Error for a window without pixels, a view from 90° or more, fewer than 2 rays.

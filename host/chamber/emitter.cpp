@@ -12,8 +12,6 @@ using optics::pi;
 
 namespace {
 
-constexpr double mm2_per_m2 = 1e6;
-
 double length(const Vec3& v) {
   return std::sqrt(dot(v, v));
 }
@@ -28,14 +26,13 @@ double Emitter::area_mm2() const {
 Vec3 Emitter::point(double u1, double u2) const {
   if (!disc) return centre + (2.0 * u1 - 1.0) * half_u + (2.0 * u2 - 1.0) * half_v;
   const double r = std::sqrt(u1);
-  const double phi = 2.0 * pi * u2;
-  return centre + r * std::cos(phi) * half_u + r * std::sin(phi) * half_v;
+  const Turn phi = turn(u2);
+  return centre + r * phi.cosine * half_u + r * phi.sine * half_v;
 }
 
-double Emitter::luminance(const Vec3& towards) const {
+double Emitter::luminance(const Vec3& towards, double lm_per_m2) const {
   const double cosine = dot(towards, normal);
   if (!(cosine > 1e-9)) return 0.0;
-  const double lm_per_m2 = mm2_per_m2 * flux_lm / area_mm2();
   if (!table) return lm_per_m2 / pi;
   const Vec3 local(dot(towards, half_u) / length(half_u), dot(towards, half_v) / length(half_v),
                    cosine);
@@ -50,9 +47,7 @@ Emitter::Launch Emitter::launch(double u1, double u2, double u3) const {
     local = drawn.direction;
     weight = drawn.weight;
   } else {
-    const double sine = std::sqrt(u1);
-    const double phi = 2.0 * pi * u2;
-    local = {sine * std::cos(phi), sine * std::sin(phi), std::sqrt(1.0 - u1)};
+    local = cosine_draw(u1, u2);
   }
   const Vec3 direction =
       (local.x / length(half_u)) * half_u + (local.y / length(half_v)) * half_v + local.z * normal;

@@ -3,8 +3,8 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "host/chamber/intensity_table.hpp"
 #include "host/chamber/surface.hpp"
@@ -25,12 +25,14 @@ struct Emitter {
   std::shared_ptr<const IntensityTable> table = nullptr;  ///< nothing: Lambertian
   /// How far from here its faces may lie, whose corners are single precision.
   double clearance_mm = 0.0;
+  /// W/nm of each lumen, by band of the luminaire; Bands::luminous() of it is 1.
+  std::vector<double> spectrum = {};
 
   double area_mm2() const;
   /// A point for u1, u2 in [0, 1), uniform by area.
   Vec3 point(double u1, double u2) const;
-  /// cd/m² towards a unit vector; 0 behind.
-  double luminance(const Vec3& towards) const;
+  /// cd/m² towards a unit vector; 0 behind. `lm_per_m2` is flux over area.
+  double luminance(const Vec3& towards, double lm_per_m2) const;
   /// A direction for a launch, with lumens over those of a launch after the emitter's mean.
   struct Launch {
     Vec3 direction;

@@ -42,6 +42,33 @@ Map cut(const Map& map, const Region& region) {
   return part;
 }
 
+Map joined(const Map& map, std::size_t n) {
+  if (n == 0 || map.width < n || map.height < n) {
+    throw Error(
+        fmt::format("{} × {} pixels cannot be joined {} by {}", map.width, map.height, n, n),
+        "join fewer");
+  }
+  Map out = map;
+  for (auto* bands : {&out.wavelengths_um, &out.radiance, &out.radiance_se}) bands->clear();
+  out.width = map.width / n;
+  out.height = map.height / n;
+  out.pixel_mm = map.pixel_mm * static_cast<double>(n);
+  out.rays_per_pixel = map.rays_per_pixel * n * n;
+  out.luminance_cd_m2.assign(out.width * out.height, 0.0);
+  out.luminance_se.assign(out.width * out.height, 0.0);
+  const double of_all = 1.0 / static_cast<double>(n * n);
+  for (std::size_t y = 0; y < out.height * n; ++y) {
+    for (std::size_t x = 0; x < out.width * n; ++x) {
+      const std::size_t pixel = y * map.width + x;
+      const std::size_t whole = y / n * out.width + x / n;
+      out.luminance_cd_m2[whole] += of_all * map.luminance_cd_m2[pixel];
+      out.luminance_se[whole] =
+          std::hypot(out.luminance_se[whole], of_all * map.luminance_se[pixel]);
+    }
+  }
+  return out;
+}
+
 Evenness evenness(const Map& map) {
   Evenness e{0.0, 0.0, std::numeric_limits<double>::infinity(), 0.0};
   for (const double value : map.luminance_cd_m2) {
@@ -85,6 +112,7 @@ Likeness likeness(const Map& a, const Map& b) {
 
 Map moved(const Map& map, double x_pixels, double y_pixels) {
   Map out = map;
+  for (auto* bands : {&out.wavelengths_um, &out.radiance, &out.radiance_se}) bands->clear();
   const auto value = [&](long x, long y) {
     const long w = static_cast<long>(map.width) - 1;
     const long h = static_cast<long>(map.height) - 1;

@@ -17,9 +17,14 @@ struct Region {
   double x_from_mm, x_to_mm, y_from_mm, y_to_mm;
 };
 
-/// The pixels whose centres lie inside, as a map of its own. Throws umov::Error where there are
-/// none.
+/// The pixels whose centres lie inside, as a map of its own, of luminance alone. Throws umov::Error
+/// where there are none.
 Map cut(const Map& map, const Region& region);
+
+/// The luminance of the map with `n` × `n` pixels to one, from the lower left: means, and their
+/// standard errors from those of the pixels as independent ones. What fills no whole pixel at the
+/// upper and right edge is left out. Throws umov::Error where nothing is left.
+Map joined(const Map& map, std::size_t n);
 
 /// Of one map.
 struct Evenness {
@@ -37,7 +42,7 @@ struct Likeness {
 /// Throws umov::Error for maps of different sizes.
 Likeness likeness(const Map& a, const Map& b);
 
-/// `map` moved by (x, y) pixels, bilinear, edge values repeated.
+/// The luminance of `map` moved by (x, y) pixels, bilinear, edge values repeated.
 Map moved(const Map& map, double x_pixels, double y_pixels);
 /// The move of `b`, up to `reach` pixels in x and y, that makes the NCC with `a` largest, found to
 /// 0.05 pixels; and what likeness is then.

@@ -7,7 +7,6 @@
 
 #include "host/errors/error.hpp"
 #include "host/optics/angles.hpp"
-#include "host/parallel/for_each_index.hpp"
 
 namespace umov::chamber {
 
@@ -19,24 +18,43 @@ namespace {
 // tell how much.
 constexpr std::size_t blocks = 64;
 
-struct Block {
-  std::vector<double> cells;
-  Fate fate;
+// Directions of a distribution, and the cells about them.
+class Cells {
+ public:
+  Cells(std::size_t planes, std::size_t angles)
+      : planes_(planes), angles_(angles), step_(pi / static_cast<double>(angles - 1)) {}
+
+  std::size_t count() const { return planes_ * angles_; }
+  /// Poles are shared by all planes: theirs is the cell in the first.
+  std::size_t number(std::size_t plane, std::size_t angle) const {
+    return (pole(angle) ? 0 : plane) * angles_ + angle;
+  }
+  std::size_t of(const Vec3& direction) const {
+    const double gamma = std::acos(std::clamp(direction.z, -1.0, 1.0));
+    double azimuth = std::atan2(direction.y, direction.x) / (2.0 * pi);
+    if (azimuth < 0.0) azimuth += 1.0;
+    const auto plane = std::lround(azimuth * static_cast<double>(planes_));
+    return number(static_cast<std::size_t>(plane) % planes_,
+                  static_cast<std::size_t>(std::lround(gamma / step_)));
+  }
+  double solid_angle(std::size_t angle) const {
+    const double from = std::max(0.0, (static_cast<double>(angle) - 0.5) * step_);
+    const double to = std::min(pi, (static_cast<double>(angle) + 0.5) * step_);
+    return 2.0 * pi * (std::cos(from) - std::cos(to)) /
+           (pole(angle) ? 1.0 : static_cast<double>(planes_));
+  }
+
+ private:
+  bool pole(std::size_t angle) const { return angle == 0 || angle + 1 == angles_; }
+
+  std::size_t planes_, angles_;
+  double step_;
 };
 
-void add(Fate& sum, const Fate& one) {
-  sum.launched += one.launched;
-  sum.out += one.out;
-  sum.absorbed += one.absorbed;
-  sum.behind += one.behind;
-  sum.lost += one.lost;
-  sum.first_hit += one.first_hit;
-  for (std::size_t i = 0; i < sum.incident.size(); ++i) {
-    sum.incident[i] += one.incident[i];
-    sum.taken[i] += one.taken[i];
-  }
-  sum.work.rays += one.work.rays;
-  sum.work.endless += one.work.endless;
+// Standard error of a sum of `blocks` independent parts.
+double error(double sum, double squares) {
+  constexpr double n = blocks;
+  return std::sqrt(std::max(0.0, squares - sum * sum / n) * n / (n - 1.0));
 }
 
 }  // namespace
@@ -50,79 +68,64 @@ Distribution intensity_distribution(const Tracer& tracer, const DistributionRequ
                 "ask for a plane, 3 angles and 64 rays at least");
   }
   Distribution d;
-  const std::size_t planes = request.planes;
-  const std::size_t angles = request.angles;
-  const double step = pi / static_cast<double>(angles - 1);
-  for (std::size_t c = 0; c < planes; ++c) {
-    d.c_deg.push_back(360.0 * static_cast<double>(c) / static_cast<double>(planes));
+  const Cells cells(request.planes, request.angles);
+  for (std::size_t c = 0; c < request.planes; ++c) {
+    d.c_deg.push_back(360.0 * static_cast<double>(c) / static_cast<double>(request.planes));
   }
-  for (std::size_t g = 0; g < angles; ++g) {
-    d.gamma_deg.push_back(180.0 * static_cast<double>(g) / static_cast<double>(angles - 1));
+  for (std::size_t g = 0; g < request.angles; ++g) {
+    d.gamma_deg.push_back(180.0 * static_cast<double>(g) / static_cast<double>(request.angles - 1));
   }
-  // Of a cell; poles are shared by all planes.
-  const auto solid_angle = [&](std::size_t g) {
-    const double from = std::max(0.0, (static_cast<double>(g) - 0.5) * step);
-    const double to = std::min(pi, (static_cast<double>(g) + 0.5) * step);
-    const bool pole = g == 0 || g + 1 == angles;
-    return 2.0 * pi * (std::cos(from) - std::cos(to)) / (pole ? 1.0 : static_cast<double>(planes));
-  };
   const std::uint64_t per_block = request.rays / blocks;
-  const std::uint64_t launches = per_block * blocks;
-  const double flux = source / static_cast<double>(launches);
-  std::vector<Block> all(blocks, {std::vector<double>(planes * angles, 0.0), tracer.empty_fate()});
-  constexpr std::size_t at_once = 8;
+  d.rays_launched = per_block * blocks;
+  d.source_lm = source;
+  if (tracer.luminaire().bands) d.wavelengths_um = tracer.luminaire().bands->wavelengths_um();
+  const double flux = source / static_cast<double>(d.rays_launched);
+  // A block as numbers: its cells, then its fate.
+  const auto trace = [&](std::size_t block, std::span<double> out) {
+    Fate fate = tracer.empty_fate();
+    const std::uint64_t first = block * per_block;
+    const double width = 1.0 / static_cast<double>(per_block);
+    for (std::uint64_t i = 0; i < per_block; ++i) {
+      // Every block launches from all sources alike, as far as its number of rays goes.
+      const Tracer::Stratum stratum{static_cast<double>(i) * width, width};
+      const auto exit = tracer.launch(flux, stratum, request.seed, first + i, fate);
+      if (exit) out[cells.of(exit->direction)] += exit->flux_lm;
+    }
+    const std::vector<double> numbers = fate.numbers();
+    std::copy(numbers.begin(), numbers.end(),
+              out.begin() + static_cast<std::ptrdiff_t>(cells.count()));
+  };
+  d.fate = tracer.empty_fate();
+  const std::size_t numbers = cells.count() + d.fate.numbers().size();
+  std::vector<double> sums(cells.count(), 0.0);
+  std::vector<double> squares(cells.count(), 0.0);
+  double out_squares = 0.0;
+  const std::size_t at_once = 8 * (request.team == nullptr ? 1 : request.team->size());
   for (std::size_t start = 0; start < blocks; start += at_once) {
     if (request.progress) request.progress(static_cast<double>(start) / blocks);
-    for_each_index(at_once, request.threads, [&](std::size_t number) {
-      Block& block = all[start + number];
-      const std::uint64_t first = (start + number) * per_block;
-      for (std::uint64_t i = 0; i < per_block; ++i) {
-        // Every block launches from all sources alike, as far as its number of rays goes.
-        const double width = 1.0 / static_cast<double>(per_block);
-        const Tracer::Stratum stratum{static_cast<double>(i) * width, width};
-        const auto exit = tracer.launch(flux, stratum, request.seed, first + i, block.fate);
-        if (!exit) continue;
-        const Vec3& k = exit->direction;
-        const double gamma = std::acos(std::clamp(k.z, -1.0, 1.0));
-        const auto g = static_cast<std::size_t>(std::lround(gamma / step));
-        double azimuth = std::atan2(k.y, k.x) / (2.0 * pi);
-        if (azimuth < 0.0) azimuth += 1.0;
-        const auto c =
-            static_cast<std::size_t>(std::lround(azimuth * static_cast<double>(planes))) % planes;
-        const bool pole = g == 0 || g + 1 == angles;
-        block.cells[(pole ? 0 : c) * angles + g] += exit->flux_lm;
+    const std::size_t count = std::min(at_once, blocks - start);
+    const std::vector<double> traced = for_each_index_of_team(
+        count, numbers, request.threads, request.team,
+        [&](std::size_t i, std::span<double> out) { trace(start + i, out); });
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::span<const double> block(traced.data() + i * numbers, numbers);
+      for (std::size_t k = 0; k < cells.count(); ++k) {
+        sums[k] += block[k];
+        squares[k] += block[k] * block[k];
       }
-    });
-  }
-  d.fate = tracer.empty_fate();
-  double out_squares = 0.0;
-  for (const Block& block : all) {
-    add(d.fate, block.fate);
-    out_squares += block.fate.out * block.fate.out;
-  }
-  const double n = blocks;
-  // Of a sum of n independent parts.
-  const auto error = [&](double sum, double squares) {
-    return std::sqrt(std::max(0.0, squares - sum * sum / n) * n / (n - 1.0));
-  };
-  d.intensity_cd.assign(planes * angles, 0.0);
-  d.intensity_se = d.intensity_cd;
-  for (std::size_t c = 0; c < planes; ++c) {
-    for (std::size_t g = 0; g < angles; ++g) {
-      const bool pole = g == 0 || g + 1 == angles;
-      double sum = 0.0;
-      double squares = 0.0;
-      for (const Block& block : all) {
-        const double value = block.cells[(pole ? 0 : c) * angles + g];
-        sum += value;
-        squares += value * value;
-      }
-      d.intensity_cd[c * angles + g] = sum / solid_angle(g);
-      d.intensity_se[c * angles + g] = error(sum, squares) / solid_angle(g);
+      Fate fate = tracer.empty_fate();
+      fate.add(block.subspan(cells.count()));
+      out_squares += fate.out * fate.out;
+      d.fate.add(block.subspan(cells.count()));
     }
   }
-  d.rays_launched = launches;
-  d.source_lm = source;
+  for (std::size_t c = 0; c < request.planes; ++c) {
+    for (std::size_t g = 0; g < request.angles; ++g) {
+      const std::size_t k = cells.number(c, g);
+      d.intensity_cd.push_back(sums[k] / cells.solid_angle(g));
+      d.intensity_se.push_back(error(sums[k], squares[k]) / cells.solid_angle(g));
+    }
+  }
   d.out_lm = d.fate.out;
   d.out_se = error(d.fate.out, out_squares);
   d.first_hit_fraction = d.fate.first_hit / d.fate.launched;

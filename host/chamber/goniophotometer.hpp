@@ -8,6 +8,7 @@
 
 #include "host/chamber/tracer.hpp"
 #include "host/formats/photometry.hpp"
+#include "host/parallel/team.hpp"
 
 namespace umov::chamber {
 
@@ -21,7 +22,8 @@ struct Distribution {
   double first_hit_fraction = 0.0;  ///< met a face that is not black before anything else
   double absorbed_fraction = 0.0, behind_fraction = 0.0, lost_fraction = 0.0;
   std::uint64_t rays_launched = 0;
-  Fate fate;  ///< sums over all launches
+  Fate fate;                           ///< sums over all launches
+  std::vector<double> wavelengths_um;  ///< of fate.spectrum_out, in a luminaire with bands
 
   double efficiency() const { return out_lm / source_lm; }
   double intensity(std::size_t c, std::size_t gamma) const {
@@ -38,6 +40,7 @@ struct DistributionRequest {
   std::uint64_t seed = 1;
   int threads = 0;  ///< 0: all cores; the result does not depend on it
   std::function<void(double)> progress = {};
+  const Team* team = nullptr;  ///< all must make the same request; the result does not depend on it
 };
 
 /// Throws umov::Error for a luminaire without light and fewer planes than 1 or angles than 3.

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "host/chamber/bands.hpp"
 #include "host/chamber/emitter.hpp"
 #include "host/chamber/surface.hpp"
 #include "host/trace/geometry.hpp"
@@ -20,6 +22,8 @@ struct Luminaire {
   std::vector<int> emitter_of;   ///< by material number; -1: dark
   std::vector<bool> inside_out;  ///< by material number: fronts are where spheres have their backs
   std::vector<Emitter> emitters;
+  /// Where colours count: then emitters have spectra, and surfaces one band or as many as these.
+  std::optional<Bands> bands;
 
   /// Luminous opening that LID files state and maps are centred on: at this height, this wide.
   double opening_z = 0.0;

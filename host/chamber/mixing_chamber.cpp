@@ -75,4 +75,19 @@ Camera MixingChamber::camera(std::size_t coarser) const {
   return c;
 }
 
+Described MixingChamber::described() const {
+  const auto view = [chamber = *this](const Departure& d) {
+    MixingChamber c = chamber;
+    c.shift_x_mm += d.shift_x_mm;
+    c.shift_y_mm += d.shift_y_mm;
+    c.ring_radius_mm += d.ring_mm;
+    c.depth_mm += d.depth_mm;
+    c.edge_rho += d.edge_rho;
+    c.view_deg += d.view_deg;
+    for (std::size_t i = 0; i < d.excess.size(); ++i) c.flux_lm.at(i) *= 1.0 + d.excess[i];
+    return View{c.luminaire(), c.camera()};
+  };
+  return {view, ring_radius_mm > 0.0, depth_mm};
+}
+
 }  // namespace umov::chamber

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "host/chamber/camera.hpp"
+#include "host/chamber/departure.hpp"
 #include "host/chamber/luminaire.hpp"
 
 namespace umov::chamber {
@@ -29,6 +30,7 @@ struct MixingChamber {
   Luminaire luminaire() const;
   /// [M]'s window of 125 × 300 pixels of 0.2 mm; `coarser` times fewer and larger pixels.
   Camera camera(std::size_t coarser = 1) const;
+  Described described() const;
 };
 
 }  // namespace umov::chamber

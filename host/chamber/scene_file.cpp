@@ -24,12 +24,18 @@ namespace {
 constexpr double longest_mm = 1e5;
 constexpr double any_mm = 1e6;
 
+std::string text_of(const std::filesystem::path& path) {
+  constexpr std::size_t most = std::size_t{16} << 20;
+  return formats::read_whole_file(path, most);
+}
+
 class Reader {
  public:
-  Reader(const toml::table& table, const std::filesystem::path& file)
-      : name_(file.string()), root_(table, name_, ""), materials_(file) {}
+  Reader(const toml::table& table, const std::filesystem::path& file, const Departure& departure)
+      : name_(file.string()), root_(table, name_, ""), materials_(file), departure_(departure) {}
 
   Job read() {
+    if (root_.has("bands")) read_bands();
     materials_.read_named(root_);
     // Sources of a chamber make holes in its base, so they come first.
     std::vector<SceneTable> sources = root_.tables("source");
@@ -78,6 +84,42 @@ class Reader {
     return table.text(key, {"yes", "no"}) == "yes";
   }
 
+  void read_bands() {
+    SceneTable table = root_.table("bands");
+    std::vector<double> um = table.numbers("wavelength_nm", 1.0, 1e5);
+    for (double& w : um) w *= 1e-3;
+    table.refuse_unknown();
+    try {
+      job_.luminaire.bands.emplace(std::move(um));
+    } catch (const Error& error) {
+      table.fail("wavelength_nm", "gives " + error.problem(), error.remedy());
+    }
+    materials_.use(*job_.luminaire.bands);
+  }
+
+  /// W/nm of a lumen by band; of the same power everywhere where the source does not say.
+  std::vector<double> spectrum(SceneTable& table) const {
+    constexpr const char* key = "spectrum";
+    if (!job_.luminaire.bands) {
+      if (table.has(key)) {
+        table.fail(key, "is given, but the scene has no bands",
+                   "add [bands] with wavelength_nm, or leave it out");
+      }
+      return {};
+    }
+    const Bands& bands = *job_.luminaire.bands;
+    std::vector<double> power(bands.size(), 1.0);
+    constexpr double most = 1e30;
+    if (table.has(key)) {
+      power = table.is_list(key) ? table.spectrum(key, bands.size(), 0.0, most)
+                                 : bands.means(table.spectrum(key, bands.fine_um(), 0.0, most));
+    }
+    const double lumens = bands.luminous(power);
+    if (!(lumens > 0.0)) table.fail(key, "has no light in the bands", "widen [bands]");
+    for (double& p : power) p /= lumens;
+    return power;
+  }
+
   std::pair<double, double> range(SceneTable& table, std::string_view key) {
     const std::vector<double> v = table.numbers(key, -any_mm, any_mm);
     if (v.size() != 2 || !(v[1] > v[0])) table.fail(key, "is no range", "give [from, to]");
@@ -122,6 +164,20 @@ class Reader {
     return std::make_shared<IntensityTable>(photometry, path.string());
   }
 
+  Vec3 shift() const { return {departure_.shift_x_mm, departure_.shift_y_mm, 0.0}; }
+
+  double excess(std::size_t source) const {
+    return source < departure_.excess.size() ? 1.0 + departure_.excess[source] : 1.0;
+  }
+
+  std::shared_ptr<const Surface> edge_of(SceneTable& table) {
+    const auto edge = table.has("edge") ? materials_.surface(table, "edge") : materials_.black();
+    if (departure_.edge_rho == 0.0) return edge;
+    constexpr double usual_incidence_deg = 45.0;
+    return std::make_shared<const Surface>(
+        "edge", Lambertian{edge->reflectance(usual_incidence_deg) + departure_.edge_rho});
+  }
+
   // Lumens of each of `count` sources: one number for all or one for each.
   std::vector<double> fluxes(SceneTable& table, std::size_t count, double from_file) {
     if (!table.has("flux_lm") && from_file > 0.0) return std::vector<double>(count, from_file);
@@ -138,7 +194,7 @@ class Reader {
     Luminaire& l = job_.luminaire;
     if (kind == "rectangle") {
       Emitter e{};
-      e.centre = vector(table, "centre_mm");
+      e.centre = vector(table, "centre_mm") + shift();
       e.half_u = 0.5 * vector(table, "edge_u_mm");
       e.half_v = 0.5 * vector(table, "edge_v_mm");
       const Vec3 normal = optics::cross(e.half_u, e.half_v);
@@ -149,7 +205,8 @@ class Reader {
         table.fail("edge_v_mm", "is not at right angles to edge_u_mm", "give two sides");
       }
       e.normal = normal / area;
-      e.flux_lm = fluxes(table, 1, file_flux)[0];
+      e.flux_lm = excess(l.emitters.size()) * fluxes(table, 1, file_flux)[0];
+      e.spectrum = spectrum(table);
       e.table = intensities;
       e.name = "source " + std::to_string(l.emitters.size() + 1);
       table.refuse_unknown();
@@ -165,7 +222,7 @@ class Reader {
     bool in_base = false;
     if (table.has("centre_mm")) {
       if (count != 1) table.fail("count", "does not go with centre_mm", "use ring_radius_mm");
-      places.push_back(vector(table, "centre_mm"));
+      places.push_back(vector(table, "centre_mm") + shift());
     } else {
       if (!chamber_) {
         table.fail("ring_radius_mm", "needs a [chamber] with a base", "give centre_mm instead");
@@ -175,26 +232,33 @@ class Reader {
       const double start = table.number("azimuth_deg", -360.0, 360.0, 0.0);
       depth = table.number("depth_mm", 0.0, longest_mm, 0.0);
       in_base = true;
+      job_.rings = job_.rings || ring > 0.0;
+      job_.least_depth_mm = std::min(depth, job_.least_depth_mm.value_or(depth));
+      depth = std::max(0.0, depth + departure_.depth_mm);
+      const double radius_of_ring = ring > 0.0 ? ring + departure_.ring_mm : 0.0;
       for (std::size_t i = 0; i < count; ++i) {
         const double a =
             optics::radians(start + 360.0 * static_cast<double>(i) / static_cast<double>(count));
-        places.emplace_back(ring * std::cos(a), ring * std::sin(a), -depth);
+        const Vec3 on_ring(radius_of_ring * std::cos(a), radius_of_ring * std::sin(a), -depth);
+        places.push_back(on_ring + shift());
       }
     }
-    const auto edge = table.has("edge") ? materials_.surface(table, "edge") : materials_.black();
+    const auto edge = edge_of(table);
     const std::vector<double> flux = fluxes(table, count, file_flux);
+    const std::vector<double> power = spectrum(table);
     table.refuse_unknown();
     for (std::size_t i = 0; i < places.size(); ++i) {
       const Vec3& at = places[i];
       Emitter e{};
       e.name = "source " + std::to_string(l.emitters.size() + 1);
-      e.flux_lm = flux[i];
+      e.flux_lm = excess(l.emitters.size()) * flux[i];
       e.centre = at;
       e.normal = Vec3(0.0, 0.0, down ? -1.0 : 1.0);
       e.half_u = Vec3(radius, 0.0, 0.0);
       e.half_v = Vec3(0.0, down ? -radius : radius, 0.0);
       e.disc = true;
       e.table = intensities;
+      e.spectrum = power;
       l.add_emitter(e, surface);
       if (!in_base) continue;
       if (std::hypot(at.x, at.y) + radius > chamber_->radius) {
@@ -266,7 +330,7 @@ class Reader {
     Camera c;
     c.centre = table.has("centre_mm") ? vector(table, "centre_mm")
                                       : Vec3(0.0, 0.0, job_.luminaire.opening_z);
-    c.view_deg = table.number("view_deg", 0.0, 89.9);
+    c.view_deg = table.number("view_deg", 0.0, 89.9) + departure_.view_deg;
     c.azimuth_deg = table.number("azimuth_deg", -360.0, 360.0, 270.0);
     c.distance_mm = table.number("distance_mm", 0.0, 1e9, 0.0);
     const std::vector<double> pixels = table.numbers("pixels", 1.0, 20000.0);
@@ -329,21 +393,39 @@ class Reader {
   std::string name_;
   SceneTable root_;
   SceneMaterials materials_;
+  const Departure& departure_;
   Job job_;
   std::optional<Chamber> chamber_;
 };
 
 }  // namespace
 
-Job job_from_toml(std::string_view text, const std::filesystem::path& file) {
+Job job_from_toml(std::string_view text, const std::filesystem::path& file,
+                  const Departure& departure) {
   const toml::table table =
       parse_toml(text, file.string(), "see host/chamber/README.md for scene files");
-  return Reader(table, file).read();
+  return Reader(table, file, departure).read();
 }
 
 Job read_job(const std::filesystem::path& path) {
-  constexpr std::size_t most = std::size_t{16} << 20;
-  return job_from_toml(formats::read_whole_file(path, most), path);
+  return job_from_toml(text_of(path), path);
+}
+
+Described described_scene(const std::filesystem::path& path) {
+  const std::string text = text_of(path);
+  const Job job = job_from_toml(text, path);
+  if (!job.camera) {
+    throw Error(Place{path.string()}, "no camera looks at the luminaire",
+                "add the [camera] that the map was taken with");
+  }
+  if (!(job.luminaire.flux_lm() > 0.0)) {
+    throw Error(Place{path.string()}, "nothing shines", "add a [[source]]");
+  }
+  const auto view = [text, path](const Departure& departure) {
+    Job built = job_from_toml(text, path, departure);
+    return View{std::move(built.luminaire), *built.camera};
+  };
+  return {view, job.rings, job.least_depth_mm};
 }
 
 }  // namespace umov::chamber

@@ -3,16 +3,42 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <cmath>
+#include <algorithm>
 #include <optional>
-#include <type_traits>
-#include <utility>
 
 #include "host/brdf/model.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/table_file.hpp"
 
 namespace umov::chamber {
+namespace {
+
+/// kind(value) of each value; one alone where all are the same.
+template <class Kind>
+std::vector<Surface::Kind> by_band(std::vector<double> values, const Kind& kind) {
+  const auto differs = [&](double value) { return value != values.front(); };
+  if (std::none_of(values.begin(), values.end(), differs)) values.resize(1);
+  std::vector<Surface::Kind> bands;
+  for (const double value : values) bands.emplace_back(kind(value));
+  return bands;
+}
+
+std::vector<Surface::Kind> planes_by_band(const brdf::PlanesTable& table,
+                                          const std::vector<double>& wavelengths_um,
+                                          const std::optional<std::vector<double>>& total) {
+  if (table.wavelengths_um().size() == 1 && total) {
+    return by_band(*total, [&](double t) { return PlanesSurface(table, 0, t); });
+  }
+  std::vector<Surface::Kind> bands;
+  for (std::size_t b = 0; b < wavelengths_um.size(); ++b) {
+    const auto due = total ? std::optional<double>((*total)[b]) : std::nullopt;
+    bands.emplace_back(PlanesSurface::at_wavelength(table, wavelengths_um[b], due));
+    if (table.wavelengths_um().size() == 1) break;  // the same in all
+  }
+  return bands;
+}
+
+}  // namespace
 
 std::filesystem::path SceneMaterials::path_of(const std::string& name) const {
   const std::filesystem::path beside = file_.parent_path() / name;
@@ -44,60 +70,64 @@ std::shared_ptr<const Surface> SceneMaterials::surface(SceneTable& table, std::s
 std::shared_ptr<const Surface> SceneMaterials::from_table(SceneTable table,
                                                           const std::string& name) const {
   const auto line = table.toml().source().begin.line;
-  // `kind` is what a surface is made of, or makes that.
-  const auto made = [&](auto&& kind) {
+  // `kind()` is what the surface is made of.
+  const auto made = [&](const auto& kind) {
     try {
-      if constexpr (std::is_invocable_v<decltype(kind)>) {
-        return std::make_shared<const Surface>(name, kind());
-      } else {
-        return std::make_shared<const Surface>(name, std::forward<decltype(kind)>(kind));
-      }
+      return std::make_shared<const Surface>(name, kind());
     } catch (const Error& error) {
       throw Error(Place{file_.string(), line}, name + " " + error.problem(), error.remedy());
     }
   };
-  const double nm = table.number("wavelength_nm", 100.0, 1e5, 555.0);
+  const std::vector<double> um =
+      wavelengths_um_.empty()
+          ? std::vector<double>{1e-3 * table.number("wavelength_nm", 100.0, 1e5, 555.0)}
+          : wavelengths_um_;
   if (table.has("file")) {
     if (table.has("model")) table.text("model", {"tabulated"});
     const std::filesystem::path path = path_of(table.text("file"));
-    std::optional<double> total;
-    if (table.has("total")) total = table.number("total", 1e-6, 1.0);
+    std::optional<std::vector<double>> total;
+    if (table.has("total")) total = table.spectrum("total", um, 1e-6, 1.0);
     table.refuse_unknown();
     const formats::TablePtr data = formats::read_table(path);
     if (const auto* planes = dynamic_cast<const brdf::PlanesTable*>(data.get())) {
-      std::size_t nearest = 0;
-      const auto& known = planes->wavelengths_um();
-      for (std::size_t i = 1; i < known.size(); ++i) {
-        if (std::abs(known[i] - 1e-3 * nm) < std::abs(known[nearest] - 1e-3 * nm)) nearest = i;
-      }
-      return made([&] { return PlanesSurface(*planes, nearest, total); });
+      return made([&] { return planes_by_band(*planes, um, total); });
     }
     if (total) {
       table.fail("total", "goes with a table of two planes", "leave it out: others are whole");
     }
+    std::vector<brdf::SpectralValues> values;
+    for (const double w : um) values.push_back({{}, w});
     const brdf::Model model = brdf::Model::by_name("tabulated").with_table(data);
-    return made(Modelled{brdf::Sampler(model, {}, 1e-3 * nm)});
+    return made([&] { return Modelled{brdf::Sampler(model, values)}; });
   }
   const std::string kind = table.text("model");
+  // A reflectance beyond 1 is refused by the surface, with its own words.
   if (kind == "lambertian") {
-    // Beyond 1 it is the surface that refuses, with its own words.
-    const double rho = table.number("rho", -1e9, 1e9);
+    const std::vector<double> rho = table.spectrum("rho", um, -1e9, 1e9);
     table.refuse_unknown();
-    return made(Lambertian{rho});
+    return made([&] { return by_band(rho, [](double r) { return Lambertian{r}; }); });
   }
   if (kind == "diffuse+specular") {
-    DiffuseSpecular two{table.number("total", -1e9, 1e9), table.numbers("theta_i_deg", 0.0, 90.0),
-                        table.numbers("specular", 0.0, 1e9)};
+    const std::vector<double> total = table.spectrum("total", um, -1e9, 1e9);
+    const std::vector<double> theta = table.numbers("theta_i_deg", 0.0, 90.0);
+    const std::vector<double> specular = table.numbers("specular", 0.0, 1e9);
     table.refuse_unknown();
-    return made(std::move(two));
+    return made([&] {
+      return by_band(total, [&](double t) { return DiffuseSpecular(t, theta, specular); });
+    });
   }
   const brdf::Model model = brdf::Model::by_name(kind);
-  std::vector<double> values;
+  std::vector<brdf::SpectralValues> values;
+  for (const double w : um) values.push_back({{}, w});
   for (const brdf::Parameter& p : model.parameters()) {
-    values.push_back(table.number(p.name, p.min, p.max, p.initial));
+    table.know(p.name);
+    const std::vector<double> spectrum = table.has(p.name)
+                                             ? table.spectrum(p.name, um, p.min, p.max)
+                                             : std::vector<double>(um.size(), p.initial);
+    for (std::size_t b = 0; b < um.size(); ++b) values[b].values.push_back(spectrum[b]);
   }
   table.refuse_unknown();
-  return made(Modelled{brdf::Sampler(model, std::move(values), 1e-3 * nm)});
+  return made([&] { return Modelled{brdf::Sampler(model, values)}; });
 }
 
 }  // namespace umov::chamber

@@ -120,12 +120,10 @@ double mcpet_specular(double theta_i_deg) {
 }
 
 DiffuseSpecular mcpet_diffuse_specular() {
-  DiffuseSpecular model{mcpet_total, {}, {}};
-  for (const double theta : mcpet_theta_i_deg) {
-    model.theta_i_deg.push_back(theta);
-    model.specular.push_back(mcpet_specular(theta));
-  }
-  return model;
+  const std::vector<double> theta_i_deg(std::begin(mcpet_theta_i_deg), std::end(mcpet_theta_i_deg));
+  std::vector<double> specular;
+  for (const double theta : theta_i_deg) specular.push_back(mcpet_specular(theta));
+  return {mcpet_total, theta_i_deg, specular};
 }
 
 }  // namespace umov::chamber

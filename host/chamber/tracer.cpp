@@ -1,9 +1,11 @@
 #include "host/chamber/tracer.hpp"
 
-#include <algorithm>
+#include <fmt/format.h>
+
 #include <cmath>
 #include <limits>
 
+#include "host/chamber/carried_light.hpp"
 #include "host/errors/error.hpp"
 #include "host/optics/frames.hpp"
 #include "host/trace/random_stream.hpp"
@@ -11,6 +13,7 @@
 namespace umov::chamber {
 
 using optics::dot;
+using trace::eight_uniforms;
 using trace::uniforms;
 
 namespace {
@@ -19,8 +22,7 @@ constexpr std::uint32_t endless_after = 100'000;
 constexpr double forever = std::numeric_limits<double>::infinity();
 // Roulette plays for what is below this share of what was launched.
 constexpr double roulette_below = 0.1;
-// With more sources than this they are chosen by flux alone.
-constexpr std::size_t most_weighed = 16;
+constexpr double mm2_per_m2 = 1e6;
 
 /// Two axes across a unit normal (T. Duff et al., "Building an orthonormal basis, revisited", JCGT
 /// 2017).
@@ -34,9 +36,10 @@ struct Frame {
     y = Vec3(b, sign + n.y * n.y * a, -n.y);
   }
   Vec3 local(const Vec3& v) const { return {dot(v, x), dot(v, y), dot(v, z)}; }
+  /// Of unit length but for rounding that a step of Newton's takes back.
   Vec3 world(const Vec3& v) const {
     const Vec3 w = v.x * x + v.y * y + v.z * z;
-    return w / std::sqrt(dot(w, w));
+    return (1.5 - 0.5 * dot(w, w)) * w;
   }
 };
 
@@ -44,19 +47,31 @@ double squared(double x) {
   return x * x;
 }
 
-/// Roughly in proportion to the irradiance that a source causes, if nothing is in between; never
-/// so low that a wrong guess costs much.
-double closeness(const Vec3& position, const Vec3& normal, const Emitter& emitter) {
-  constexpr double least = 0.1;
-  const Vec3 to = emitter.centre - position;
-  const double distance2 = std::max(1e-12, dot(to, to));
-  const double distance = std::sqrt(distance2);
-  const double here = std::max(least, dot(to, normal) / distance);
-  const double there = std::max(least, -dot(to, emitter.normal) / distance);
-  return emitter.flux_lm * here * there / distance2;
+/// Weight of a sample of density `own` where another way there has density `other` (Veach's power
+/// heuristic).
+double mis_weight(double own, double other) {
+  return squared(own) / (squared(own) + squared(other));
 }
 
 }  // namespace
+
+std::vector<double> Fate::numbers() const {
+  std::vector<double> all{launched, out, absorbed, behind, lost, first_hit};
+  for (const auto* part : {&incident, &taken, &spectrum_out})
+    all.insert(all.end(), part->begin(), part->end());
+  all.push_back(static_cast<double>(work.rays));
+  all.push_back(static_cast<double>(work.endless));
+  return all;
+}
+
+void Fate::add(std::span<const double> numbers) {
+  auto next = numbers.begin();
+  for (double* one : {&launched, &out, &absorbed, &behind, &lost, &first_hit}) *one += *next++;
+  for (auto* part : {&incident, &taken, &spectrum_out})
+    for (double& one : *part) one += *next++;
+  work.rays += static_cast<std::uint64_t>(*next++);
+  work.endless += static_cast<std::uint64_t>(*next++);
+}
 
 /// Where a path has met a face.
 struct Tracer::Place {
@@ -66,13 +81,25 @@ struct Tracer::Place {
   const Surface& surface;
 };
 
-Tracer::Tracer(const Luminaire& luminaire) : luminaire_(luminaire), geometry_(luminaire.scene) {
-  const double flux = luminaire.flux_lm();
-  double sum = 0.0;
+Tracer::Tracer(const Luminaire& luminaire)
+    : luminaire_(luminaire), geometry_(luminaire.scene), choice_(luminaire.emitters) {
   for (const Emitter& emitter : luminaire.emitters) {
-    sum += emitter.flux_lm;
-    flux_up_to_.push_back(flux > 0.0 ? sum / flux : 1.0);
-    area_mm2_.push_back(emitter.area_mm2());
+    const double area = emitter.area_mm2();
+    sources_.push_back({area, mm2_per_m2 * emitter.flux_lm / area});
+  }
+  const std::size_t bands = luminaire.bands ? luminaire.bands->size() : 1;
+  for (const auto& surface : luminaire.surfaces) {
+    if (surface->bands() == 1 || surface->bands() == bands) continue;
+    throw Error(fmt::format("surface {} has {} bands in a luminaire of {}", surface->name(),
+                            surface->bands(), bands),
+                "make it for the luminaire's wavelengths, or the same at all");
+  }
+  if (!luminaire.bands) return;
+  for (const Emitter& emitter : luminaire.emitters) {
+    if (emitter.spectrum.size() == bands) continue;
+    throw Error(fmt::format("{} has a spectrum of {} bands in a luminaire of {}", emitter.name,
+                            emitter.spectrum.size(), bands),
+                "give it W/nm of a lumen at the luminaire's wavelengths");
   }
 }
 
@@ -83,116 +110,84 @@ std::optional<trace::Hit> Tracer::nearest(const Vec3& origin, const Vec3& direct
   return hit;
 }
 
-std::size_t Tracer::emitter_at(double share) const {
-  const auto found = std::upper_bound(flux_up_to_.begin(), flux_up_to_.end(), share);
-  return std::min(static_cast<std::size_t>(found - flux_up_to_.begin()), flux_up_to_.size() - 1);
-}
-
-double Tracer::choice_of(const Vec3& position, const Vec3& normal, std::size_t emitter) const {
-  const auto& all = luminaire_.emitters;
-  if (all.size() == 1) return 1.0;
-  if (all.size() > most_weighed) {
-    return flux_up_to_[emitter] - (emitter == 0 ? 0.0 : flux_up_to_[emitter - 1]);
-  }
-  double sum = 0.0;
-  double own = 0.0;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const double weight = closeness(position, normal, all[i]);
-    sum += weight;
-    if (i == emitter) own = weight;
-  }
-  return own / sum;
-}
-
-double Tracer::next_event(const Place& place, Estimator estimator, const std::array<double, 4>& u,
-                          Work& work) const {
-  const auto& all = luminaire_.emitters;
-  std::size_t chosen = 0;
-  double choice = 1.0;
-  if (all.size() > most_weighed) {
-    chosen = emitter_at(u[0]);
-    choice = choice_of(place.position, place.frame.z, chosen);
-  } else if (all.size() > 1) {
-    std::array<double, most_weighed> weight{};
-    double sum = 0.0;
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      weight[i] = closeness(place.position, place.frame.z, all[i]);
-      sum += weight[i];
-    }
-    double rest = u[0] * sum;
-    while (chosen + 1 < all.size() && rest >= weight[chosen]) rest -= weight[chosen++];
-    choice = weight[chosen] / sum;
-  }
-  const Emitter& emitter = all[chosen];
-  const Vec3 to = emitter.point(u[1], u[2]) - place.position;
+template <class Facing, class Light>
+void Tracer::next_event(const Place& place, const Facing& facing, Estimator estimator, double u1,
+                        double u2, double u3, Light& light, Work& work) const {
+  const auto [chosen, choice] = choice_.choose(place.position, place.frame.z, u1);
+  const Emitter& emitter = luminaire_.emitters[chosen];
+  const Source& source = sources_[chosen];
+  const Vec3 to = emitter.point(u2, u3) - place.position;
   const double distance2 = dot(to, to);
-  if (!(distance2 > 0.0)) return 0.0;
+  if (!(distance2 > 0.0)) return;
   const double distance = std::sqrt(distance2);
   const Vec3 direction = to / distance;
   const double cosine = dot(direction, place.frame.z);
   const double cosine_there = -dot(direction, emitter.normal);
-  if (!(cosine > 1e-9) || !(cosine_there > 1e-9)) return 0.0;
+  if (!(cosine > 1e-9) || !(cosine_there > 1e-9)) return;
+  const double shines = emitter.luminance(-direction, source.lm_per_m2);
+  if (!(shines > 0.0)) return;
   const Vec3 from = place.frame.local(direction);
-  const double f = place.surface.value(from, place.known);
-  const double shines = emitter.luminance(-direction);
-  if (!(f * shines > 0.0)) return 0.0;
+  if (!light.ask(place.surface, facing, place.known, from)) return;
   ++work.rays;
   const double reach = distance * (1.0 + 1e-6) + emitter.clearance_mm / cosine_there;
-  const auto hit = nearest(place.position, direction, reach);
-  if (!hit || hit->material != emitter.material) return 0.0;
-  const double density = choice * distance2 / (cosine_there * area_mm2_[chosen]);
-  double weight = 1.0;
-  if (estimator == Estimator::mis) {
-    weight =
-        squared(density) / (squared(density) + squared(place.surface.density(place.known, from)));
-  }
-  return weight * f * cosine * shines / density;
+  const auto met = geometry_.nearest_material(place.position, direction, reach);
+  if (!met || *met != emitter.material) return;
+  const double density = choice * distance2 / (cosine_there * source.area_mm2);
+  const double weight =
+      estimator == Estimator::mis ? mis_weight(density, facing.density(from)) : 1.0;
+  light.receive(emitter, weight * cosine * shines / density);
 }
 
-double Tracer::luminance(const Vec3& origin, const Vec3& direction, Estimator estimator,
-                         std::uint64_t seed, std::uint64_t path, Work& work) const {
+template <class Light>
+void Tracer::see(const Vec3& origin, const Vec3& direction, Estimator estimator, std::uint64_t seed,
+                 std::uint64_t path, Light& light, Work& work) const {
   Vec3 position = origin;
   Vec3 along = direction;
   Vec3 normal_before;
   double density_before = 0.0;  // of the direction; 0: no other way leads there
-  double throughput = 1.0;
-  double seen = 0.0;
+  const bool asks = estimator != Estimator::unidirectional && !luminaire_.emitters.empty();
   for (std::uint32_t meeting = 1; meeting <= endless_after; ++meeting) {
     ++work.rays;
     const auto hit = nearest(position, along, forever);
-    if (!hit) return seen;
+    if (!hit) return;
     const double cosine = -dot(along, hit->normal);
-    if (!(cosine > 0.0)) return seen;
+    if (!(cosine > 0.0)) return;
     const int number = luminaire_.emitter_of[hit->material];
     if (number >= 0) {
       const auto index = static_cast<std::size_t>(number);
+      const Source& source = sources_[index];
       double weight = 1.0;
       if (density_before > 0.0 && estimator == Estimator::next_event) weight = 0.0;
       if (density_before > 0.0 && estimator == Estimator::mis) {
-        const double other = choice_of(position, normal_before, index) * squared(hit->distance) /
-                             (cosine * area_mm2_[index]);
-        weight = squared(density_before) / (squared(density_before) + squared(other));
+        const double other = choice_.probability(position, normal_before, index) *
+                             squared(hit->distance) / (cosine * source.area_mm2);
+        weight = mis_weight(density_before, other);
       }
       if (weight > 0.0) {
-        seen += throughput * weight * luminaire_.emitters[index].luminance(-along);
+        const Emitter& emitter = luminaire_.emitters[index];
+        light.meet(emitter, weight * emitter.luminance(-along, source.lm_per_m2));
       }
     }
     const Surface& surface = *luminaire_.surfaces[hit->material];
-    if (surface.black()) return seen;
+    if (surface.black()) return;
     const Frame frame(hit->normal);
     Vec3 known = frame.local(-along);
     known.z = cosine;
-    if (estimator != Estimator::unidirectional && !luminaire_.emitters.empty()) {
-      const auto u = uniforms(seed, path, 2 * meeting);
-      seen += throughput * next_event({hit->position, frame, known, surface}, estimator, u, work);
-    }
-    const auto u = uniforms(seed, path, 2 * meeting + 1);
-    const auto drawn = surface.draw(known, Sense::against_light, u[0], u[1], u[2]);
-    if (!drawn || !(drawn->weight > 0.0)) return seen;
-    throughput *= drawn->weight;
-    if (throughput < roulette_below) {
-      if (!(u[3] * roulette_below < throughput)) return seen;
-      throughput = roulette_below;
+    const auto u = eight_uniforms(seed, path, meeting);
+    const auto drawn = surface.facing(known, Sense::against_light, [&](const auto& facing) {
+      if (asks) {
+        const Place place{hit->position, frame, known, surface};
+        next_event(place, facing, estimator, u[0], u[1], u[2], light, work);
+      }
+      return facing.draw(u[3], u[4], u[5]);
+    });
+    if (!drawn) return;
+    light.scatter(surface, *drawn, known, Sense::against_light);
+    const double strength = light.strength();
+    if (!(strength > 0.0)) return;
+    if (strength < roulette_below) {
+      if (!(u[6] * roulette_below < strength)) return;
+      light.scale(roulette_below / strength);
     }
     position = hit->position;
     normal_before = hit->normal;
@@ -200,32 +195,45 @@ double Tracer::luminance(const Vec3& origin, const Vec3& direction, Estimator es
     density_before = drawn->density;
   }
   ++work.endless;
-  return seen;
+}
+
+double Tracer::luminance(const Vec3& origin, const Vec3& direction, Estimator estimator,
+                         std::uint64_t seed, std::uint64_t path, Work& work) const {
+  PlainLight light;
+  see(origin, direction, estimator, seed, path, light, work);
+  return light.seen();
+}
+
+void Tracer::radiance(const Vec3& origin, const Vec3& direction, Estimator estimator,
+                      std::uint64_t seed, std::uint64_t path, std::span<double> bands,
+                      Work& work) const {
+  std::fill(bands.begin(), bands.end(), 0.0);
+  BandedLight light(*luminaire_.bands, bands);
+  see(origin, direction, estimator, seed, path, light, work);
 }
 
 Fate Tracer::empty_fate() const {
   Fate fate;
   fate.incident.assign(luminaire_.surfaces.size(), 0.0);
   fate.taken.assign(luminaire_.surfaces.size(), 0.0);
+  fate.spectrum_out.assign(luminaire_.bands ? luminaire_.bands->size() : 0, 0.0);
   return fate;
 }
 
-std::optional<Tracer::Exit> Tracer::launch(double flux_lm, const Stratum& stratum,
-                                           std::uint64_t seed, std::uint64_t path,
-                                           Fate& fate) const {
-  const auto u = uniforms(seed, path, 0);
-  const auto v = uniforms(seed, path, 1);
-  const Emitter& emitter = luminaire_.emitters[emitter_at(stratum.from + stratum.width * v[1])];
-  Vec3 position = emitter.point(u[0], u[1]) + emitter.clearance_mm * emitter.normal;
-  const Emitter::Launch start = emitter.launch(u[2], u[3], v[0]);
-  Vec3 along = start.direction;
-  double flux = flux_lm * start.weight;
+template <class Light>
+std::optional<Tracer::Exit> Tracer::follow(const Vec3& origin, const Vec3& direction,
+                                           double launched_lm, std::uint64_t seed,
+                                           std::uint64_t path, Light& light, Fate& fate) const {
+  Vec3 position = origin;
+  Vec3 along = direction;
+  double flux = light.lumens();
   fate.launched += flux;
   for (std::uint32_t meeting = 1; meeting <= endless_after; ++meeting) {
     ++fate.work.rays;
     const auto hit = nearest(position, along, forever);
     if (!hit) {
       fate.out += flux;
+      light.leave(fate.spectrum_out);
       return Exit{along, flux};
     }
     const double cosine = -dot(along, hit->normal);
@@ -243,24 +251,23 @@ std::optional<Tracer::Exit> Tracer::launch(double flux_lm, const Stratum& stratu
     const Frame frame(hit->normal);
     Vec3 known = frame.local(-along);
     known.z = cosine;
-    const auto w = uniforms(seed, path, 2 * meeting + 1);
+    const auto u = uniforms(seed, path, meeting + 1);
     const auto drawn =
-        surface.black() ? std::nullopt : surface.draw(known, Sense::with_light, w[0], w[1], w[2]);
-    if (!drawn || !(drawn->weight > 0.0)) {
-      take(flux);
-      return std::nullopt;
-    }
-    const double after = flux * drawn->weight;
+        surface.black() ? std::nullopt : surface.draw(known, Sense::with_light, u[0], u[1], u[2]);
+    if (drawn) light.scatter(surface, *drawn, known, Sense::with_light);
+    const double after = drawn ? light.lumens() : 0.0;
     take(flux - after);
+    if (!(after > 0.0)) return std::nullopt;
     flux = after;
-    if (flux < roulette_below * flux_lm) {
+    if (flux < roulette_below * launched_lm) {
       // What is paid to survivors is taken from those that end here: right in the mean.
-      if (!(w[3] * roulette_below * flux_lm < flux)) {
+      if (!(u[3] * roulette_below * launched_lm < flux)) {
         take(flux);
         return std::nullopt;
       }
-      take(flux - roulette_below * flux_lm);
-      flux = roulette_below * flux_lm;
+      take(flux - roulette_below * launched_lm);
+      light.scale(roulette_below * launched_lm / flux);
+      flux = roulette_below * launched_lm;
     }
     position = hit->position;
     along = frame.world(drawn->direction);
@@ -268,6 +275,23 @@ std::optional<Tracer::Exit> Tracer::launch(double flux_lm, const Stratum& stratu
   ++fate.work.endless;
   fate.lost += flux;
   return std::nullopt;
+}
+
+std::optional<Tracer::Exit> Tracer::launch(double flux_lm, const Stratum& stratum,
+                                           std::uint64_t seed, std::uint64_t path,
+                                           Fate& fate) const {
+  const auto u = uniforms(seed, path, 0);
+  const auto v = uniforms(seed, path, 1);
+  const Emitter& emitter =
+      luminaire_.emitters[choice_.by_flux(stratum.from + stratum.width * v[1])];
+  const Vec3 position = emitter.point(u[0], u[1]) + emitter.clearance_mm * emitter.normal;
+  const Emitter::Launch start = emitter.launch(u[2], u[3], v[0]);
+  const auto follow_as = [&](auto light) {
+    light.launch(emitter, flux_lm * start.weight);
+    return follow(position, start.direction, flux_lm, seed, path, light, fate);
+  };
+  if (!luminaire_.bands) return follow_as(PlainLight());
+  return follow_as(BandedLight(*luminaire_.bands, {}));
 }
 
 }  // namespace umov::chamber

@@ -1,16 +1,17 @@
 // Paths through a luminaire, in luminance: from the eye to the sources, or from the sources out.
 //
 // Faces are found by the project's one ray engine (host/trace/geometry.hpp); a path carries one
-// number. Random numbers come from seed, path and meeting alone, so that no order of work can
-// change a result.
+// number, or one a band. Random numbers come from seed, path and meeting alone, so that no order of
+// work can change a result.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "host/chamber/luminaire.hpp"
+#include "host/chamber/source_choice.hpp"
 
 namespace umov::chamber {
 
@@ -30,20 +31,32 @@ struct Work {
 /// What became of light that was launched by the sources, in lumen.
 struct Fate {
   double launched = 0, out = 0, absorbed = 0, behind = 0, lost = 0;
-  double first_hit = 0;          ///< met a face that is not black before anything else
-  std::vector<double> incident;  ///< by material number: arrived at its front, all bounces
-  std::vector<double> taken;     ///< by material number: absorbed there
+  double first_hit = 0;              ///< met a face that is not black before anything else
+  std::vector<double> incident;      ///< by material number: arrived at its front, all bounces
+  std::vector<double> taken;         ///< by material number: absorbed there
+  std::vector<double> spectrum_out;  ///< what left, by band, W/nm
   Work work;
+
+  /// All of it, in an order of its own.
+  std::vector<double> numbers() const;
+  /// Adds numbers() of a fate in the same luminaire.
+  void add(std::span<const double> numbers);
 };
 
 /// May be shared by threads.
 class Tracer {
  public:
+  /// Throws umov::Error where spectra and surfaces do not fit the luminaire's bands.
   explicit Tracer(const Luminaire& luminaire);
 
-  /// One estimate of the luminance in cd/m² that is seen from `origin` along `direction`.
+  /// One estimate of the luminance in cd/m² that is seen from `origin` along `direction`, in a
+  /// luminaire without bands.
   double luminance(const Vec3& origin, const Vec3& direction, Estimator estimator,
                    std::uint64_t seed, std::uint64_t path, Work& work) const;
+  /// The same in a luminaire with bands: spectral radiance in W/(m² sr nm), one number a band, all
+  /// of one path.
+  void radiance(const Vec3& origin, const Vec3& direction, Estimator estimator, std::uint64_t seed,
+                std::uint64_t path, std::span<double> bands, Work& work) const;
 
   /// Light that leaves the luminaire for good.
   struct Exit {
@@ -65,16 +78,26 @@ class Tracer {
 
  private:
   struct Place;
-  double next_event(const Place& place, Estimator estimator, const std::array<double, 4>& u,
-                    Work& work) const;
+  template <class Light>
+  void see(const Vec3& origin, const Vec3& direction, Estimator estimator, std::uint64_t seed,
+           std::uint64_t path, Light& light, Work& work) const;
+  template <class Facing, class Light>
+  void next_event(const Place& place, const Facing& facing, Estimator estimator, double u1,
+                  double u2, double u3, Light& light, Work& work) const;
+  template <class Light>
+  std::optional<Exit> follow(const Vec3& origin, const Vec3& direction, double launched_lm,
+                             std::uint64_t seed, std::uint64_t path, Light& light,
+                             Fate& fate) const;
   std::optional<trace::Hit> nearest(const Vec3& origin, const Vec3& direction, double limit) const;
-  double choice_of(const Vec3& position, const Vec3& normal, std::size_t emitter) const;
-  std::size_t emitter_at(double share) const;
 
   const Luminaire& luminaire_;
   trace::Geometry geometry_;
-  std::vector<double> flux_up_to_;  ///< by emitter, as a share of all
-  std::vector<double> area_mm2_;    ///< by emitter
+  SourceChoice choice_;
+  /// By emitter.
+  struct Source {
+    double area_mm2, lm_per_m2;
+  };
+  std::vector<Source> sources_;
 };
 
 }  // namespace umov::chamber

@@ -145,8 +145,7 @@ class BlindRun {
     begun_ = true;
     try {
       // Each rank begins elsewhere, so that they seldom ask for the same case.
-      const std::size_t offset = names_.size() * static_cast<std::size_t>(ranks_.rank()) /
-                                 static_cast<std::size_t>(ranks_.size());
+      const std::size_t offset = names_.size() * ranks_.rank() / ranks_.size();
       std::vector<bool> known(names_.size(), false);
       for (std::size_t open = names_.size(); open > 0 && !stopped();) {
         bool worked = false;

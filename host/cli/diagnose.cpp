@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/cli/command.hpp"
+#include "host/cli/diagnose_luminaire.hpp"
 #include "host/cli/diagnose_surface.hpp"
 #include "host/cli/diagnosis_text.hpp"
 #include "host/cli/effects_text.hpp"
@@ -31,7 +32,7 @@ struct Arguments {
   KnownFiles known;
   FollowUpOptions follow_up;
   bool quick = false;
-  std::string json, next, report, surface;
+  std::string json, next, report, surface, luminaire;
   bool effects = false;
   gap::scan::ScanDiagnoseOptions options;
 };
@@ -48,8 +49,24 @@ std::string sample_of(const formats::ScanTable& scan) {
   return scan.key("sample").value_or("");
 }
 
+/// What only a gonioreflectometer's scan has was asked for of something else.
+bool asks_of_a_scan(const Arguments& a) {
+  return !a.next.empty() || !a.known.calibration.empty() || !a.known.tolerances.empty() ||
+         !a.known.fit.empty() || a.known.hold || !a.follow_up.device.empty();
+}
+
+void run_luminaire(const Arguments& a, const Common& common) {
+  if (a.scans.size() > 1 || asks_of_a_scan(a))
+    throw Error("--luminaire goes with one map, --json, --report, --without and --quick only",
+                "umov diagnose map.exr --luminaire scene.toml --report diagnosis.html");
+  diagnose_luminaire({a.scans[0], a.luminaire, a.json, a.report, a.options.without, a.quick},
+                     common);
+}
+
 void run(Arguments& a, const Common& common) {
-  if (a.effects) return print_effects(common.json);
+  if (a.effects)
+    return print_effects(a.luminaire.empty() ? scan_effects() : luminaire_effects(a.luminaire),
+                         common.json);
   if (a.scans.empty())
     throw Error("no scan was named",
                 "umov diagnose scan.h5; `umov diagnose --effects` lists effects");
@@ -59,6 +76,7 @@ void run(Arguments& a, const Common& common) {
                   "umov diagnose brdf.h5 --surface scene.toml --json diagnosis.json");
     return diagnose_surface(a.scans[0], a.surface, a.json, common);
   }
+  if (!a.luminaire.empty()) return run_luminaire(a, common);
   if (!a.json.empty()) require_product_output(a.scans, a.json);
   if (!a.next.empty()) require_product_output(a.scans, a.next);
   if (!a.report.empty()) require_product_output(a.scans, a.report);
@@ -117,15 +135,26 @@ void add_diagnose_command(CLI::App& root, const Common& common) {
   const auto a = std::make_shared<Arguments>();
   CLI::App* command = root.add_subcommand(
       "diagnose", "Where a simulation misses a scan, which effects cause it, how far it closes");
-  command->add_option("scans", a->scans, "scan.h5 or Scan CSV; several of one sample together");
+  command->add_option("scans", a->scans,
+                      "scan.h5 or Scan CSV; several of one sample together; or what --surface and "
+                      "--luminaire ask for");
   command->add_option("--json", a->json, "write the diagnosis to this file");
   command->add_option("--next", a->next,
                       "write the plan of the scan to take next, where one is prescribed");
   command->add_option("--report", a->report, "write the diagnosis as one HTML page with figures");
-  command->add_option("--surface", a->surface,
-                      "scene file of a dirty, wet or rough surface: what a linear mixture of its "
-                      "materials misses of a measured brdf.h5");
-  command->add_flag("--effects", a->effects, "list the effects that a diagnosis knows");
+  auto* surface =
+      command->add_option("--surface", a->surface,
+                          "scene file of a dirty, wet or rough surface: what a linear mixture of "
+                          "its materials misses of a measured brdf.h5");
+  command
+      ->add_option("--luminaire", a->luminaire,
+                   "scene file of a luminaire with its camera: what its simulation misses of a "
+                   "measured luminance map (sim.h5, OpenEXR in cd/m2, or CSV)")
+      ->excludes(surface);
+  command->add_flag(
+      "--effects", a->effects,
+      "list the effects that a diagnosis knows: of a scan, or with --luminaire of its "
+      "maps");
   command->add_option("-m,--model", a->options.model.model, "reflectance model of the simulation")
       ->capture_default_str();
   command->add_option("--without", a->options.without, "effects that the diagnosis must do without")
@@ -145,7 +174,8 @@ void add_diagnose_command(CLI::App& root, const Common& common) {
       "Examples:\n"
       "  umov diagnose scan.h5 --calibration cal.h5 --report diagnosis.html\n"
       "  umov diagnose scan.h5 --calibration cal.h5 --fit fit.json --hold\n"
-      "  umov diagnose scan.h5 --calibration cal.h5 --follow-up emulator --seed 7");
+      "  umov diagnose scan.h5 --calibration cal.h5 --follow-up emulator --seed 7\n"
+      "  umov diagnose map.exr --luminaire lamp.toml --report diagnosis.html");
   command->callback([a, &common] { run(*a, common); });
 }
 

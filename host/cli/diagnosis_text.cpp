@@ -34,6 +34,11 @@ void print_diagnosis(const gap::Diagnosis& d, const gap::AnswerSource& source) {
   fmt::print("{}\n", gap::verdict_sentence(d));
   fmt::print("\ngap (withheld rows)  before {:.4g}   after {:.4g}   floor {:.2g}\n", d.before.g2,
              d.after.g2, d.floor.g2);
+  if (source.likeness) {
+    const auto& [before, after] = *source.likeness;
+    fmt::print("NCC {:.2f} -> {:.2f} %   NRMSE {:.2f} -> {:.2f} %\n", 100 * before.ncc,
+               100 * after.ncc, 100 * before.nrmse, 100 * after.nrmse);
+  }
   if (!d.causes.empty())
     fmt::print("\n  {:<28} {:>11} {:>7}  parameters (95 %)\n", "cause", "probability", "share");
   for (const gap::Cause& c : d.causes) {
@@ -52,7 +57,7 @@ void print_diagnosis(const gap::Diagnosis& d, const gap::AnswerSource& source) {
     fmt::print("\n");
   }
   for (const auto& set : d.ambiguity_sets)
-    fmt::print("  not to be told apart by this scan: {}\n", fmt::join(set, ", "));
+    fmt::print("  not to be told apart by this measurement: {}\n", fmt::join(set, ", "));
   const auto cells = [](const char* title, const gap::Where& where) {
     if (where.cells.empty()) return;
     fmt::print("\n{}\n", title);

@@ -11,21 +11,19 @@
 namespace umov::cli {
 namespace {
 
-/// Some parameters come once a wavelength; the list shows those of a usual instrument.
-std::vector<gap::Effect> listed_effects() {
-  gap::scan::Scale scale;
-  scale.wavelengths_nm = {532, 633, 814};
-  return gap::scan::catalogue(scale);
-}
-
 std::string unit_of(const gap::Parameter& p) {
   return p.unit == "1" ? "" : " / " + p.unit;
 }
 
 }  // namespace
 
-void print_effects(bool json) {
-  const std::vector<gap::Effect> effects = listed_effects();
+std::vector<gap::Effect> scan_effects() {
+  gap::scan::Scale scale;
+  scale.wavelengths_nm = {532, 633, 814};
+  return gap::scan::catalogue(scale);
+}
+
+void print_effects(const std::vector<gap::Effect>& effects, bool json) {
   if (json) {
     auto list = nlohmann::ordered_json::array();
     for (const gap::Effect& e : effects) {

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/command.hpp"
+#include "host/cli/export_light.hpp"
 #include "host/cli/model_values.hpp"
 #include "host/cli/output_file.hpp"
 #include "host/cli/progress.hpp"
@@ -46,7 +47,8 @@ struct Options {
 struct Exported {
   std::string format;
   std::size_t rows = 0;
-  std::vector<std::string> notes = {};  ///< of tables
+  std::vector<std::string> notes = {};  ///< of tables, distributions and maps
+  std::string light = {};               ///< what a distribution or map is
   bool table = false;
   std::optional<formats::TableDifference> difference = {};
   bool patch_means = false;  ///< `difference` is to means over the patches of the file
@@ -162,7 +164,7 @@ Exported export_table(const Options& options, const formats::TablePtr& source,
   writing.progress = [&](double done, double total) { progress.update(done, total); };
   formats::write_table(options.output, format.name, *source, writing);
   progress.finish();
-  Exported exported{std::string(format.name), 0, writing.notes, true};
+  Exported exported{std::string(format.name), 0, writing.notes, {}, true};
   read_back(options, format, *source, writing, exported);
   return exported;
 }
@@ -172,6 +174,11 @@ Exported export_source(const Options& options, const Common& common) {
   if (!options.model.empty())
     return export_table(options, model_source(options, writing), writing, common);
   const std::string bytes = formats::read_whole_file(options.input);
+  if (is_light(bytes, options.input)) {
+    LightExported light =
+        export_light(options.input, bytes, options.output, options.format, writing.program);
+    return {options.format, 0, std::move(light.notes), std::move(light.what)};
+  }
   if (formats::looks_like_hdf5(bytes)) {
     switch (formats::h5_kind(bytes, options.input)) {
       case formats::H5Kind::scan: {
@@ -186,8 +193,10 @@ Exported export_source(const Options& options, const Common& common) {
         return export_points(options, writing);
       case formats::H5Kind::table:
         break;
+      case formats::H5Kind::sim:
       case formats::H5Kind::other:
-        throw Error(Place{options.input}, "is neither scan.h5 nor brdf.h5 nor table.h5",
+        throw Error(Place{options.input},
+                    "is none of scan.h5, brdf.h5, table.h5 and a luminaire's sim.h5",
                     "name a file of umov");
     }
   }
@@ -248,11 +257,19 @@ void run(const Options& options, const Common& common) {
                       {"file", exported.reflectance->found},
                       {"source", exported.reflectance->expected},
                       {"largest_difference", exported.reflectance->largest()}};
+    } else if (!exported.light.empty()) {
+      out["holds"] = exported.light;
+      out["notes"] = exported.notes;
     } else {
       out["rows"] = exported.rows;
     }
     fmt::print("{}\n", out.dump());
   } else if (!common.quiet) {
+    if (!exported.light.empty()) {
+      fmt::print("{}: {}, {}\n", options.output, exported.format, exported.light);
+      for (const std::string& note : exported.notes) fmt::print("note: {}\n", note);
+      return;
+    }
     if (!exported.table) {
       fmt::print("{}: {} with {} rows\n", options.output, exported.format, exported.rows);
       return;
@@ -268,6 +285,7 @@ std::vector<std::string> format_names() {
   for (const formats::TableFormat& format : formats::table_formats())
     if (format.write != nullptr || format.write_points != nullptr) names.emplace_back(format.name);
   if (std::find(names.begin(), names.end(), "csv") == names.end()) names.emplace_back("csv");
+  for (const LightFormat& format : light_formats()) names.emplace_back(format.name);
   return names;
 }
 
@@ -283,12 +301,16 @@ std::string footer() {
                         format.write != nullptr && format.write_points != nullptr ? " or " : "",
                         format.write_points != nullptr ? "points" : "");
   }
+  for (const LightFormat& format : light_formats())
+    text += fmt::format("  {:11} {}; from {}\n", format.name, format.title,
+                        format.map ? "a sim.h5" : "a sim.h5, IES or EULUMDAT file");
   return text +
          "What the numbers in each mean: docs/formats.\n"
          "Examples:\n"
          "  umov export scan.h5 -o scan.csv\n"
          "  umov export brdf.h5 --format csv -o brdf.csv\n"
          "  umov export fit.json --format rgl -o paint.bsdf\n"
+         "  umov export lamp.ldt --format ies -o lamp.ies\n"
          "  umov export --model microfacet+lambertian --set 0.slope_rms=0.1 --set 1.rho=0.3 "
          "--format "
          "zemax -o gloss.bsdf";
@@ -299,9 +321,12 @@ std::string footer() {
 void add_export_command(CLI::App& root, const Common& common) {
   auto options = std::make_shared<Options>();
   auto* command = root.add_subcommand(
-      "export", "Write a scan, BRDF, table, fit or model in a format of other programs");
-  command->add_option("file", options->input,
-                      "scan.h5, brdf.h5, table.h5, fit.json or a table file");
+      "export",
+      "Write a scan, BRDF, table, fit, model, intensity distribution or luminance map in a format "
+      "of other programs");
+  command->add_option(
+      "file", options->input,
+      "scan.h5, brdf.h5, table.h5, fit.json, a table file; sim.h5, IES or EULUMDAT");
   command->add_option("-o,--output", options->output, "file to write")->required();
   command
       ->add_option("--format", options->format,

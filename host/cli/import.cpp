@@ -18,8 +18,10 @@
 #include "host/formats/decimal.hpp"
 #include "host/formats/foreign_kind.hpp"
 #include "host/formats/hdf5_image.hpp"
+#include "host/formats/image_file.hpp"
 #include "host/formats/jsss_scan.hpp"
 #include "host/formats/nist_ptfe.hpp"
+#include "host/formats/photometry.hpp"
 #include "host/formats/scan_csv.hpp"
 #include "host/formats/scan_h5.hpp"
 #include "host/formats/table_comparison.hpp"
@@ -151,6 +153,13 @@ Imported import_file(const Options& options, const formats::Provenance& provenan
     case ForeignKind::unknown:
       break;
   }
+  if (formats::looks_like_photometry(bytes))
+    throw Error(Place{options.input}, "is an intensity distribution",
+                "scenes read it as it is ([[source]] file = …); umov export --format ies or ldt "
+                "writes it in the other format");
+  if (formats::looks_like_exr(bytes))
+    throw Error(Place{options.input}, "is an OpenEXR image",
+                "umov diagnose MAP --luminaire SCENE reads luminance maps as they are");
   if (formats::looks_like_hdf5(bytes))
     throw Error(Place{options.input}, "is an HDF5 file, not a foreign measurement",
                 "umov reads its own files directly; umov export writes them in other formats");

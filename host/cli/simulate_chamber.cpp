@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <string>
 
 #include "host/chamber/advice.hpp"
@@ -19,6 +20,7 @@
 #include "host/cli/scene_digest.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/atomic_file.hpp"
+#include "host/parallel/ranks/ranks.hpp"
 
 namespace umov::cli {
 namespace {
@@ -69,6 +71,19 @@ ordered_json distribution_json(const Distribution& d) {
           {"zonal", zones}};
 }
 
+/// Mean over the map, W/(m² sr nm).
+ordered_json bands_json(const Map& map) {
+  ordered_json bands = ordered_json::array();
+  const auto pixels = static_cast<std::ptrdiff_t>(map.luminance_cd_m2.size());
+  for (std::size_t b = 0; b < map.wavelengths_um.size(); ++b) {
+    const auto from = map.radiance.begin() + static_cast<std::ptrdiff_t>(b) * pixels;
+    bands.push_back({{"wavelength_nm", 1e3 * map.wavelengths_um[b]},
+                     {"mean_radiance",
+                      std::accumulate(from, from + pixels, 0.0) / static_cast<double>(pixels)}});
+  }
+  return bands;
+}
+
 void print(const ordered_json& s) {
   const auto number = [](const ordered_json& j, const char* key) { return j[key].get<double>(); };
   for (const char* part : {"map", "region"}) {
@@ -99,19 +114,28 @@ void print(const ordered_json& s) {
   }
 }
 
+/// To be called on all ranks alike: Ctrl-C may have reached some of them only.
+void stop_if_asked(const Ranks& ranks) {
+  if (on_any_rank(&ranks, interrupt_flag().load()))
+    throw Interrupted("the simulation was stopped; nothing is kept");
+}
+
 /// Simplifies the scene's surfaces and says how much of them it needs.
-void advise(const Options& options, const Common& common, const chamber::Job& job) {
-  Progress progress("advise", common.quiet);
+void advise(const Options& options, const Common& common, const Ranks& ranks,
+            const chamber::Job& job) {
+  Progress progress("advise", common.quiet || ranks.rank() != 0);
   chamber::AdviceRequest request;
   request.tolerances = options.tolerances;
   request.seed = common.seed;
-  request.threads = common.threads;
+  request.threads = ranks.threads(common.threads);
+  request.team = &ranks;
   request.progress = [&](double share) {
-    if (interrupt_flag().load()) throw Interrupted("the simulation was stopped; nothing is kept");
+    stop_if_asked(ranks);
     progress.update(1000.0 * share, 1000.0);
   };
   const chamber::Advice advice = chamber::advise(job, request);
   progress.finish();
+  if (ranks.rank() != 0) return;
   if (common.json) {
     ordered_json rows = ordered_json::array();
     for (const chamber::Ablation& a : advice.ablations) {
@@ -144,6 +168,7 @@ void run(const Options& options, const Common& common) {
        {options.output, options.exr, options.png, options.ies, options.ldt}) {
     if (!file.empty()) require_product_output({options.scene}, file);
   }
+  const Ranks ranks;
   chamber::Job job = chamber::read_job(options.scene);
   if (options.rays_per_pixel > 0.0) {
     job.map.rays_per_pixel = static_cast<std::uint64_t>(options.rays_per_pixel);
@@ -162,11 +187,11 @@ void run(const Options& options, const Common& common) {
   needs(job.distribution.has_value(), options.ies, "goniophotometer");
   needs(job.distribution.has_value(), options.ldt, "goniophotometer");
   catch_interrupts();
-  if (options.advise) return advise(options, common, job);
-  Progress progress("simulate", common.quiet);
+  if (options.advise) return advise(options, common, ranks, job);
+  Progress progress("simulate", common.quiet || ranks.rank() != 0);
   const auto watched = [&](const char* what) {
-    return [&progress, what](double share) {
-      if (interrupt_flag().load()) throw Interrupted("the simulation was stopped; nothing is kept");
+    return [&progress, &ranks, what](double share) {
+      stop_if_asked(ranks);
       progress.update(1000.0 * share, 1000.0, what);
     };
   };
@@ -175,12 +200,14 @@ void run(const Options& options, const Common& common) {
   ordered_json s = {{"scene", options.scene}, {"seed", common.seed}};
   if (job.camera) {
     job.map.seed = common.seed;
-    job.map.threads = common.threads;
+    job.map.threads = ranks.threads(common.threads);
+    job.map.team = &ranks;
     job.map.progress = watched("map");
     result.map = chamber::luminance_map(tracer, *job.camera, job.map);
     s["map"] = evenness_json(*result.map);
     s["map"]["rays"] = result.map->work.rays;
     s["map"]["paths_given_up"] = result.map->work.endless;
+    if (job.luminaire.bands) s["map"]["bands"] = bands_json(*result.map);
     if (job.region) s["region"] = evenness_json(chamber::cut(*result.map, *job.region));
     if (job.glare) {
       const chamber::GlareRating rating = chamber::glare_rating(*result.map, *job.glare);
@@ -189,12 +216,15 @@ void run(const Options& options, const Common& common) {
   }
   if (job.distribution) {
     job.distribution->seed = common.seed;
-    job.distribution->threads = common.threads;
+    job.distribution->threads = ranks.threads(common.threads);
+    job.distribution->team = &ranks;
     job.distribution->progress = watched("distribution");
     result.distribution = chamber::intensity_distribution(tracer, *job.distribution);
     s["lid"] = distribution_json(*result.distribution);
+    if (job.luminaire.bands) s["lid"]["spectrum_out_w_nm"] = result.distribution->fate.spectrum_out;
   }
   progress.finish();
+  if (ranks.rank() != 0) return;
   if (!options.compare.empty()) {
     const chamber::Result other = chamber::read_sim_h5(options.compare);
     if (!other.map || !result.map) {
@@ -224,6 +254,7 @@ void run(const Options& options, const Common& common) {
     formats::Photometry photometry = result.distribution->photometry();
     photometry.maker = "umov " UMOV_VERSION;
     photometry.name = options.scene;
+    photometry.report = "simulated";
     photometry.length_mm = job.luminaire.opening_diameter_mm;
     if (!options.ies.empty()) formats::replace_file(options.ies, formats::ies_text(photometry));
     if (!options.ldt.empty()) {
@@ -272,6 +303,10 @@ void add_simulate_chamber_command(CLI::App& simulate, const Common& common) {
   command->add_option("--tolerance-ugr", options->tolerances.ugr, "for --advise: units of UGR")
       ->check(CLI::Range(1e-3, 100.0))
       ->capture_default_str();
+  command->footer(
+      "Examples:\n"
+      "  umov simulate chamber examples/chambers/mixing-chamber.toml --png map.png --ies lamp.ies\n"
+      "  mpirun -n 8 umov simulate chamber lamp.toml -o sim.h5");
   command->callback([options, &common] { run(*options, common); });
 }
 

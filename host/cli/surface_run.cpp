@@ -24,24 +24,10 @@ constexpr double unlimited_samples = 1e15;
 constexpr double preset_samples = 1e6;
 constexpr std::chrono::seconds between_states{60};
 
-class RankTeam : public trace::Team {
- public:
-  explicit RankTeam(const Ranks& ranks) : ranks_(ranks) {}
-  std::size_t rank() const override { return static_cast<std::size_t>(ranks_.rank()); }
-  std::size_t size() const override { return static_cast<std::size_t>(ranks_.size()); }
-  std::vector<double> gather(const std::vector<double>& own) override { return ranks_.gather(own); }
-
- private:
-  const Ranks& ranks_;
-};
-
 }  // namespace
 
 SurfaceRun::SurfaceRun(const SurfaceOptions& options, const Common& common, const Ranks& ranks)
-    : options_(options),
-      common_(common),
-      ranks_(ranks),
-      team_(ranks.size() > 1 ? std::make_unique<RankTeam>(ranks) : nullptr) {
+    : options_(options), common_(common), ranks_(ranks) {
   if (options.samples && !(*options.samples >= 1.0 && *options.samples <= 1e15)) {
     throw Error(fmt::format("{} samples", *options.samples), "choose 1 to 1e15");
   }
@@ -61,7 +47,7 @@ std::vector<double> SurfaceRun::angles(const surface::Surface& described) const 
 trace::Request SurfaceRun::request(const surface::Surface& described) const {
   trace::Request request;
   request.seed = common_.seed;
-  request.threads = common_.threads == 0 && ranks_.size() > 1 ? 1 : common_.threads;
+  request.threads = ranks_.threads(common_.threads);
   request.dhr_relative_error = options_.relative_error_percent > 0.0
                                    ? 0.01 * options_.relative_error_percent
                                    : described.stop.dhr_relative_error;
@@ -70,7 +56,7 @@ trace::Request SurfaceRun::request(const surface::Surface& described) const {
   request.samples = static_cast<std::uint64_t>(
       options_.samples.value_or(ends_itself ? unlimited_samples : preset_samples));
   request.emissivity = described.emission.has_value();
-  request.team = team_.get();
+  request.team = &ranks_;
   request.stop = [] { return interrupt_flag().load(); };
   return request;
 }
@@ -124,8 +110,7 @@ std::vector<trace::Result> SurfaceRun::simulate(const surface::Surface& describe
     state.resize(std::max(state.size(), i + 1));
     state[i] = results.back().state();
     // A signal may have reached some of the ranks only.
-    const std::vector<double> asked = ranks_.gather({interrupt_flag().load() ? 1.0 : 0.0});
-    interrupted_ = std::find(asked.begin(), asked.end(), 1.0) != asked.end();
+    interrupted_ = on_any_rank(&ranks_, interrupt_flag().load());
     if (interrupted_) break;
   }
   progress.finish();

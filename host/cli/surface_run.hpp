@@ -2,7 +2,6 @@
 // and continued.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -52,7 +51,6 @@ class SurfaceRun {
   const SurfaceOptions& options_;
   const Common& common_;
   const Ranks& ranks_;
-  std::unique_ptr<trace::Team> team_;
   bool interrupted_ = false;
 };
 

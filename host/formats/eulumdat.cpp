@@ -53,12 +53,6 @@ class Lines {
   const std::string& file_;
 };
 
-std::string one_line(const std::string& text, std::size_t most) {
-  std::string line;
-  for (const char c : text.substr(0, most)) line += c >= ' ' && c <= '~' ? c : ' ';
-  return line;
-}
-
 }  // namespace
 
 Photometry parse_eulumdat(std::string_view text, const std::string& file) {
@@ -74,7 +68,7 @@ Photometry parse_eulumdat(std::string_view text, const std::string& file) {
   if (planes == 0 || angles < 2)
     lines.refuse("C planes", fmt::format("{} planes of {} angles", planes, angles),
                  "a distribution has one plane of two angles at least");
-  lines.skip(1, "report");
+  p.report = std::string(trimmed(lines.text("report")));
   p.name = std::string(trimmed(lines.text("name")));
   p.number = std::string(trimmed(lines.text("number")));
   lines.skip(2, "file, date");
@@ -98,6 +92,7 @@ Photometry parse_eulumdat(std::string_view text, const std::string& file) {
   }
   if (!(p.lamp_lm > 0.0))
     lines.refuse("lamp flux", fmt::format("is {:g} lm", p.lamp_lm), "it must be above 0");
+  check_quantities(p, file);
   lines.skip(10, "direct ratios");
   std::vector<double> all_c;
   for (std::size_t i = 0; i < planes; ++i) all_c.push_back(lines.number("C"));
@@ -119,8 +114,10 @@ Photometry parse_eulumdat(std::string_view text, const std::string& file) {
     c_deg.push_back(stored == 1 ? 0.0 : all_c[first + i]);
     for (std::size_t g = 0; g < angles; ++g) {
       const double value = lines.number("intensity");
-      if (!(value >= 0.0)) lines.refuse("intensity", fmt::format("is {:g}", value), "not below 0");
-      candela[i].push_back(value * (factor > 0.0 ? factor : 1.0) * p.lamp_lm / 1000.0);
+      const double cd = value * (factor > 0.0 ? factor : 1.0) * p.lamp_lm / 1000.0;
+      if (!(cd >= 0.0 && cd <= largest_quantity))
+        lines.refuse("intensity", fmt::format("is {:g} cd", cd), "give intensities from 0");
+      candela[i].push_back(cd);
     }
   }
   set_planes(p, c_deg, candela, file);
@@ -128,6 +125,11 @@ Photometry parse_eulumdat(std::string_view text, const std::string& file) {
 }
 
 std::string eulumdat_text(const Photometry& p) {
+  if (p.gamma_deg.size() < 2 || p.c_deg.size() > most_angles || p.gamma_deg.size() > most_angles)
+    throw Error(fmt::format("{} planes of {} angles do not fit EULUMDAT", p.c_deg.size(),
+                            p.gamma_deg.size()),
+                fmt::format("it has up to {} planes of 2 to {} angles; IES LM-63 has no such limit",
+                            most_angles, most_angles));
   const bool turning = p.c_deg.size() == 1;
   const double lamp_lm = p.lamp_lm > 0.0 ? p.lamp_lm : 1000.0;
   const auto spacing = [](const std::vector<double>& deg) {
@@ -144,16 +146,16 @@ std::string eulumdat_text(const Photometry& p) {
     out += "\r\n";
   };
   const double flux = p.zonal_lm();
-  text(one_line(p.maker, 78));
+  text(printable(p.maker, 78));
   number(turning ? 1 : 3);
   number(turning ? 1 : 0);
   number(static_cast<double>(p.c_deg.size()));
   number(spacing(p.c_deg));
   number(static_cast<double>(p.gamma_deg.size()));
   number(spacing(p.gamma_deg));
-  text("simulated");
-  text(one_line(p.name, 78));
-  text(one_line(p.number, 78));
+  text(printable(p.report, 78));
+  text(printable(p.name, 78));
+  text(printable(p.number, 78));
   text("");
   text("");
   for (const double mm : {p.length_mm, p.width_mm, p.height_mm}) number(mm);  // of the luminaire
@@ -172,8 +174,9 @@ std::string eulumdat_text(const Photometry& p) {
   text("");
   number(p.watts);
   for (int i = 0; i < 10; ++i) number(0.0);
-  for (const double c : p.c_deg) number(c);
-  for (const double g : p.gamma_deg) number(g);
+  for (const auto* angles : {&p.c_deg, &p.gamma_deg}) {
+    for (const double deg : *angles) text(decimal_text(deg));
+  }
   for (const double cd : p.candela) number(1000.0 * cd / lamp_lm);
   return out;
 }

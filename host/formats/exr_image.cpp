@@ -1,3 +1,6 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <ImfArray.h>
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
@@ -18,6 +21,38 @@ namespace {
 Imf::Slice slice_of(std::vector<float>& values, std::size_t width) {
   return Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(values.data()), sizeof(float),
                     sizeof(float) * width);
+}
+
+/// What `read` makes of the file; the library's exceptions become the project's.
+template <class Read>
+auto opened(const std::filesystem::path& path, Read&& read) {
+  try {
+    Imf::InputFile in(path.string().c_str());
+    return read(in);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Error(Place{path.string()}, std::string("OpenEXR cannot read it: ") + error.what(),
+                "give an OpenEXR file");
+  }
+}
+
+ExrHeader header_of(const Imf::InputFile& in, const std::filesystem::path& path) {
+  const auto box = in.header().dataWindow();
+  if (box.min.x != 0 || box.min.y != 0) {
+    throw Error(Place{path.string(), 0, "dataWindow"}, "the pixels do not begin at (0, 0)",
+                "give the whole image, not a crop");
+  }
+  ExrHeader header;
+  header.width = static_cast<std::size_t>(box.max.x - box.min.x + 1);
+  header.height = static_cast<std::size_t>(box.max.y - box.min.y + 1);
+  for (auto c = in.header().channels().begin(); c != in.header().channels().end(); ++c)
+    header.channels.emplace_back(c.name());
+  for (auto a = in.header().begin(); a != in.header().end(); ++a) {
+    if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute()))
+      header.attributes.emplace_back(a.name(), text->value());
+  }
+  return header;
 }
 
 }  // namespace
@@ -51,35 +86,32 @@ void write_exr(const std::filesystem::path& path, std::size_t width, std::size_t
   file.commit();
 }
 
+ExrHeader read_exr_header(const std::filesystem::path& path) {
+  return opened(path, [&](Imf::InputFile& in) { return header_of(in, path); });
+}
+
+bool looks_like_exr(std::string_view bytes) {
+  return bytes.starts_with("\x76\x2f\x31\x01");
+}
+
 std::vector<double> read_exr(const std::filesystem::path& path, const std::string& channel,
                              std::size_t& width, std::size_t& height) {
-  std::vector<float> values;
-  try {
-    Imf::InputFile in(path.string().c_str());
-    const auto box = in.header().dataWindow();
-    if (box.min.x != 0 || box.min.y != 0) {
-      throw Error(Place{path.string(), 0, "dataWindow"}, "the pixels do not begin at (0, 0)",
-                  "give the whole image, not a crop");
-    }
-    width = static_cast<std::size_t>(box.max.x - box.min.x + 1);
-    height = static_cast<std::size_t>(box.max.y - box.min.y + 1);
+  return opened(path, [&](Imf::InputFile& in) {
+    const ExrHeader header = header_of(in, path);
+    width = header.width;
+    height = header.height;
     if (in.header().channels().findChannel(channel) == nullptr) {
       throw Error(Place{path.string(), 0, channel}, "there is no such channel",
-                  "name one that the file has");
+                  fmt::format("it has: {}", fmt::join(header.channels, ", ")));
     }
     require_readable_size(width * height * sizeof(float), path.string());
-    values.resize(width * height);
+    std::vector<float> values(width * height);
     Imf::FrameBuffer buffer;
     buffer.insert(channel, slice_of(values, width));
     in.setFrameBuffer(buffer);
-    in.readPixels(box.min.y, box.max.y);
-  } catch (const Error&) {
-    throw;
-  } catch (const std::exception& error) {
-    throw Error(Place{path.string()}, std::string("OpenEXR cannot read it: ") + error.what(),
-                "give an OpenEXR file");
-  }
-  return std::vector<double>(values.begin(), values.end());
+    in.readPixels(in.header().dataWindow().min.y, in.header().dataWindow().max.y);
+    return std::vector<double>(values.begin(), values.end());
+  });
 }
 
 }  // namespace umov::formats

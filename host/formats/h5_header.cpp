@@ -3,9 +3,11 @@
 #include <array>
 #include <ctime>
 #include <set>
+#include <span>
 
 #include "host/errors/error.hpp"
 #include "host/formats/content_hash.hpp"
+#include "host/formats/decimal.hpp"
 
 namespace umov::formats {
 namespace {
@@ -45,7 +47,8 @@ void check_storable(const Keys& keys, const std::string& name) {
 }
 
 void write_h5_header(Hdf5Builder& file, const std::string& format, const Keys& keys,
-                     const Provenance& provenance, const std::string& content_sha256) {
+                     const Provenance& provenance, const std::string& content_sha256,
+                     const std::set<std::string>& numbers) {
   Provenance complete = provenance;
   if (complete.created.empty()) complete.created = utc_now();
   for (const auto& [key, value] : keys) {
@@ -64,7 +67,14 @@ void write_h5_header(Hdf5Builder& file, const std::string& format, const Keys& k
   // Copies for readers that look at attributes; /header is what counts, it keeps order and doubles.
   std::vector<std::string> names, values;
   for (const auto& [key, value] : keys) {
-    if (taken.insert(key).second) file.attribute("/", key, value);
+    double number = 0.0;
+    if (taken.insert(key).second) {
+      if (numbers.contains(key) && read_decimal(value, number) == nullptr) {
+        file.attribute("/", key, std::span<const double>(&number, 1));
+      } else {
+        file.attribute("/", key, value);
+      }
+    }
     names.push_back(key);
     values.push_back(value);
   }

@@ -1,6 +1,7 @@
 // What scan.h5 and brdf.h5 have in common: provenance, header keys, checksums.
 #pragma once
 
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,9 +13,11 @@ namespace umov::formats {
 
 using Keys = std::vector<std::pair<std::string, std::string>>;
 
-/// Root attributes and /header. `format` is the file's own format name.
+/// Root attributes and /header. `format` is the file's own format name. Keys that `numbers` names
+/// become numeric attributes; the others are text.
 void write_h5_header(Hdf5Builder& file, const std::string& format, const Keys& keys,
-                     const Provenance& provenance, const std::string& content_sha256);
+                     const Provenance& provenance, const std::string& content_sha256,
+                     const std::set<std::string>& numbers = {});
 
 /// Checks the format, reads provenance (its checksum verified) and keys.
 Provenance read_h5_header(const Hdf5Reader& file, const std::string& format, Keys& keys);

@@ -15,6 +15,7 @@ H5Kind h5_kind(std::string_view bytes, const std::string& name) {
   if (format == "umov scan h5") return H5Kind::scan;
   if (format == "umov brdf h5") return H5Kind::brdf;
   if (format == "umov table h5") return H5Kind::table;
+  if (format == "umov sim h5") return H5Kind::sim;
   return H5Kind::other;
 }
 

@@ -7,7 +7,8 @@
 
 namespace umov::formats {
 
-enum class H5Kind { scan, brdf, table, other };
+/// sim: a luminance map, an intensity distribution.
+enum class H5Kind { scan, brdf, table, sim, other };
 
 /// By the root attribute `format`. Throws umov::Error for a file that is no HDF5 or is damaged.
 H5Kind h5_kind(const std::filesystem::path& path);

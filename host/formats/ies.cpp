@@ -63,16 +63,22 @@ void keyword(std::string_view line, Photometry& into) {
   const auto value_of = [&](std::string_view name) -> std::string {
     return line.starts_with(name) ? std::string(trimmed(line.substr(name.size()))) : std::string();
   };
+  if (const auto v = value_of("[TEST]"); !v.empty()) into.report = v;
   if (const auto v = value_of("[MANUFAC]"); !v.empty()) into.maker = v;
   if (const auto v = value_of("[LUMINAIRE]"); !v.empty()) into.name = v;
   if (const auto v = value_of("[LUMCAT]"); !v.empty()) into.number = v;
 }
 
-void append_row(std::string& out, const double* values, std::size_t count) {
+/// `exact`: angles, which must come back in their order.
+void append_row(std::string& out, const double* values, std::size_t count, bool exact = false) {
   std::size_t column = 0;
   for (std::size_t i = 0; i < count; ++i) {
     std::string number;
-    append_general(number, values[i], 7);
+    if (exact) {
+      number = decimal_text(values[i]);
+    } else {
+      append_general(number, values[i], 7);
+    }
     if (column > 0 && column + number.size() + 1 > 120) {
       out += "\r\n";
       column = 0;
@@ -85,12 +91,6 @@ void append_row(std::string& out, const double* values, std::size_t count) {
     column += number.size();
   }
   out += "\r\n";
-}
-
-std::string one_line(const std::string& text) {
-  std::string line;
-  for (const char c : text) line += c >= ' ' && c <= '~' ? c : ' ';
-  return line;
 }
 
 }  // namespace
@@ -128,6 +128,7 @@ Photometry parse_ies(std::string_view text, const std::string& file) {
   p.width_mm = width < 0.0 ? 0.0 : to_mm * width;
   p.length_mm = to_mm * (width < 0.0 ? -width : std::abs(length));
   p.lamp_lm = lumens > 0.0 ? lamps * lumens : 0.0;
+  check_quantities(p, file);
   for (std::size_t i = 0; i < angles; ++i) p.gamma_deg.push_back(numbers.next("vertical angle"));
   check_angles(p.gamma_deg, 0.0, 180.0, "gamma", file);
   std::vector<double> c_deg;
@@ -136,7 +137,8 @@ Photometry parse_ies(std::string_view text, const std::string& file) {
   for (auto& row : candela) {
     for (std::size_t i = 0; i < angles; ++i) {
       const double value = multiplier * ballast * numbers.next("candela");
-      if (!(value >= 0.0)) numbers.refuse("candela", fmt::format("is {:g}", value), "not below 0");
+      if (!(value >= 0.0 && value <= largest_quantity))
+        numbers.refuse("candela", fmt::format("is {:g}", value), "give intensities from 0");
       row.push_back(value);
     }
   }
@@ -146,8 +148,8 @@ Photometry parse_ies(std::string_view text, const std::string& file) {
 
 std::string ies_text(const Photometry& p) {
   std::string out = "IESNA:LM-63-2002\r\n";
-  out += "[TEST] simulated\r\n[MANUFAC] " + one_line(p.maker) + "\r\n[LUMCAT] " +
-         one_line(p.number) + "\r\n[LUMINAIRE] " + one_line(p.name) + "\r\nTILT=NONE\r\n";
+  out += "[TEST] " + printable(p.report) + "\r\n[MANUFAC] " + printable(p.maker) + "\r\n[LUMCAT] " +
+         printable(p.number) + "\r\n[LUMINAIRE] " + printable(p.name) + "\r\nTILT=NONE\r\n";
   // -1 lumen says: absolute photometry.
   const bool closes = p.c_deg.size() > 1;
   const double lumens = p.lamp_lm > 0.0 ? p.lamp_lm : -1.0;
@@ -166,10 +168,10 @@ std::string ies_text(const Photometry& p) {
                                     p.watts};
   append_row(out, head.data(), 10);
   append_row(out, head.data() + 10, 3);
-  append_row(out, p.gamma_deg.data(), p.gamma_deg.size());
+  append_row(out, p.gamma_deg.data(), p.gamma_deg.size(), true);
   std::vector<double> c_deg = p.c_deg;
   if (closes) c_deg.push_back(360.0);
-  append_row(out, c_deg.data(), c_deg.size());
+  append_row(out, c_deg.data(), c_deg.size(), true);
   for (std::size_t c = 0; c < c_deg.size(); ++c) {
     append_row(out, p.candela.data() + (c % p.c_deg.size()) * p.gamma_deg.size(),
                p.gamma_deg.size());

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -23,6 +24,15 @@ struct ImagePlane {
 void write_exr(const std::filesystem::path& path, std::size_t width, std::size_t height,
                std::span<const ImagePlane> planes,
                const std::vector<std::pair<std::string, std::string>>& attributes);
+/// What an OpenEXR file says of itself.
+struct ExrHeader {
+  std::size_t width = 0, height = 0;
+  std::vector<std::string> channels;
+  std::vector<std::pair<std::string, std::string>> attributes;  ///< those that are strings
+};
+/// Throws umov::Error.
+ExrHeader read_exr_header(const std::filesystem::path& path);
+bool looks_like_exr(std::string_view bytes);
 /// One channel of an OpenEXR file, row by row from the top. Throws umov::Error.
 std::vector<double> read_exr(const std::filesystem::path& path, const std::string& channel,
                              std::size_t& width, std::size_t& height);

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "host/formats/atomic_file.hpp"
+#include "host/formats/decimal.hpp"
+#include "host/formats/text_lines.hpp"
 #include "host/optics/angles.hpp"
 
 namespace umov::formats {
@@ -70,9 +73,36 @@ double Photometry::zonal_lm(double from_deg, double to_deg) const {
   return flux;
 }
 
+namespace {
+
+bool looks_like_ies(std::string_view text) {
+  return text.starts_with("IESNA") || text.find("TILT=") != std::string_view::npos;
+}
+
+/// EULUMDAT has no mark: its lines 2 to 6 are numbers of known ranges.
+bool looks_like_eulumdat(std::string_view text) {
+  LineReader lines(text);
+  std::string_view line;
+  lines.next(line);
+  constexpr double most[] = {3.0, 4.0, 721.0, 360.0, 721.0};
+  for (const double largest : most) {
+    if (!lines.next(line)) return false;
+    std::string number(trimmed(line));
+    std::replace(number.begin(), number.end(), ',', '.');
+    double value = 0.0;
+    if (read_decimal(number, value) != nullptr || value < 0.0 || value > largest) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool looks_like_photometry(std::string_view text) {
+  return looks_like_ies(text) || looks_like_eulumdat(text);
+}
+
 Photometry parse_photometry(std::string_view text, const std::string& file) {
-  const bool ies = text.starts_with("IESNA") || text.find("TILT=") != std::string_view::npos;
-  return ies ? parse_ies(text, file) : parse_eulumdat(text, file);
+  return looks_like_ies(text) ? parse_ies(text, file) : parse_eulumdat(text, file);
 }
 
 Photometry read_photometry(const std::filesystem::path& path) {

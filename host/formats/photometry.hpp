@@ -14,6 +14,7 @@ namespace umov::formats {
 
 struct Photometry {
   std::string maker, name, number;
+  std::string report;             ///< where the numbers come from: a test's number, "simulated"
   std::vector<double> c_deg;      ///< ascending from 0 to below 360; one alone: the same all around
   std::vector<double> gamma_deg;  ///< ascending within [0, 180]; nothing beyond the ends
   std::vector<double> candela;    ///< [c][gamma]
@@ -36,8 +37,12 @@ Photometry parse_photometry(std::string_view text, const std::string& file);
 Photometry parse_ies(std::string_view text, const std::string& file);
 Photometry parse_eulumdat(std::string_view text, const std::string& file);
 
-/// LM-63-2002 (absolute photometry where lamp_lm is 0) and EULUMDAT text. The latter needs equally
-/// many values in every plane, which Photometry has, and relates to 1000 lm where lamp_lm is 0.
+/// Does it begin as an intensity distribution of either format does?
+bool looks_like_photometry(std::string_view text);
+
+/// LM-63-2002 (absolute photometry where lamp_lm is 0) and EULUMDAT text. The latter relates to
+/// 1000 lm where lamp_lm is 0, and refuses more than 721 planes or angles and fewer than two
+/// angles. Candela carry seven digits.
 std::string ies_text(const Photometry& photometry);
 std::string eulumdat_text(const Photometry& photometry);
 

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "host/errors/error.hpp"
+#include "host/formats/decimal.hpp"
 
 namespace umov::formats {
 
@@ -17,6 +18,25 @@ void check_angles(const std::vector<double>& deg, double low, double high, const
     throw Error(Place{file, 0, what}, fmt::format("{:g}° does not rise or is out of range", deg[i]),
                 fmt::format("angles rise from {:g}° to {:g}° at most", low, high));
   }
+}
+
+std::string printable(const std::string& text, std::size_t most) {
+  std::string line;
+  for (const char c : text.substr(0, most)) line += c >= ' ' && c <= '~' ? c : '?';
+  return std::string(trimmed(line));
+}
+
+void check_quantities(const Photometry& p, const std::string& file) {
+  const auto check = [&](const char* what, double value, double least) {
+    if (value >= least && value <= largest_quantity) return;
+    throw Error(Place{file, 0, what}, fmt::format("is {:g}", value),
+                "check the number and its unit");
+  };
+  check("lumens", p.lamp_lm, 0.0);
+  check("watts", p.watts, -largest_quantity);
+  check("length", p.length_mm, 0.0);
+  check("width", p.width_mm, 0.0);
+  check("height", p.height_mm, 0.0);
 }
 
 void set_planes(Photometry& into, const std::vector<double>& c_deg,

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstddef>
 
+#include "host/optics/luminous_efficiency.hpp"
+
 namespace umov::formats {
 namespace {
 
@@ -14,11 +16,6 @@ constexpr std::array<double, 31> daylight_d65{
     115.923, 108.811, 109.354, 107.802, 104.79,  107.689, 104.405, 104.046,
     100.0,   96.3342, 95.788,  88.6856, 90.0062, 89.5991, 87.6987, 83.2886,
     83.6992, 80.0268, 80.2146, 82.2778, 78.2842, 69.7213, 71.6091};
-
-constexpr std::array<double, 31> luminous_efficiency{
-    0.000396, 0.00121, 0.0040, 0.0116, 0.0230,  0.0380, 0.0600, 0.09098, 0.13902, 0.20802, 0.3230,
-    0.5030,   0.7100,  0.8620, 0.9540, 0.99495, 0.9950, 0.9520, 0.8700,  0.7570,  0.6310,  0.5030,
-    0.3810,   0.2650,  0.1750, 0.1070, 0.0610,  0.0320, 0.0170, 0.00821, 0.004102};
 
 }  // namespace
 
@@ -31,9 +28,8 @@ std::vector<double> visible_shares(std::span<const double> wavelengths_um) {
     for (int s = 0; s < substeps; ++s) {
       const double part = (s + 0.5) / substeps;
       const double um = first_um + step_um * (static_cast<double>(n) + part);
-      const double weight =
-          (daylight_d65[n] * (1 - part) + daylight_d65[n + 1] * part) *
-          (luminous_efficiency[n] * (1 - part) + luminous_efficiency[n + 1] * part);
+      const double weight = (daylight_d65[n] * (1 - part) + daylight_d65[n + 1] * part) *
+                            optics::luminous_efficiency(um);
       const auto above = std::upper_bound(wavelengths_um.begin(), wavelengths_um.end(), um);
       const auto upper = static_cast<std::size_t>(above - wavelengths_um.begin());
       if (upper == 0 || upper == wavelengths_um.size()) {

@@ -38,7 +38,9 @@ UMOV_EMBED(frame, UMOV_PAGE_FOLDER "/frame.js")
 UMOV_EMBED(main, UMOV_PAGE_FOLDER "/main.js")
 UMOV_EMBED(diagnosis_maps, UMOV_PAGE_FOLDER "/diagnosis_maps.js")
 UMOV_EMBED(diagnosis_causes, UMOV_PAGE_FOLDER "/diagnosis_causes.js")
+UMOV_EMBED(diagnosis_parts, UMOV_PAGE_FOLDER "/diagnosis_parts.js")
 UMOV_EMBED(diagnosis, UMOV_PAGE_FOLDER "/diagnosis.js")
+UMOV_EMBED(map_diagnosis, UMOV_PAGE_FOLDER "/map_diagnosis.js")
 UMOV_EMBED(licence, UMOV_PAGE_FOLDER "/plotly_licence.txt")
 UMOV_EMBED(plotly, UMOV_PLOTLY_MIN)
 
@@ -73,15 +75,24 @@ const std::string& report_script() {
 const std::string& diagnosis_script() {
   static const std::string script =
       joined({UMOV_ASSET(theme), UMOV_ASSET(dom), UMOV_ASSET(figure), UMOV_ASSET(diagnosis_maps),
-              UMOV_ASSET(diagnosis_causes), UMOV_ASSET(frame), UMOV_ASSET(diagnosis)});
+              UMOV_ASSET(diagnosis_causes), UMOV_ASSET(frame), UMOV_ASSET(diagnosis_parts),
+              UMOV_ASSET(diagnosis)});
+  return script;
+}
+
+const std::string& map_diagnosis_script() {
+  static const std::string script =
+      joined({UMOV_ASSET(theme), UMOV_ASSET(dom), UMOV_ASSET(figure), UMOV_ASSET(diagnosis_maps),
+              UMOV_ASSET(diagnosis_causes), UMOV_ASSET(frame), UMOV_ASSET(diagnosis_parts),
+              UMOV_ASSET(map_diagnosis)});
   return script;
 }
 
 }  // namespace
 
 Assets assets() {
-  return {UMOV_ASSET(markup), UMOV_ASSET(style),  report_script(),
-          diagnosis_script(), UMOV_ASSET(plotly), UMOV_ASSET(licence)};
+  return {UMOV_ASSET(markup),     UMOV_ASSET(style),  report_script(),    diagnosis_script(),
+          map_diagnosis_script(), UMOV_ASSET(plotly), UMOV_ASSET(licence)};
 }
 
 }  // namespace umov::report

@@ -82,7 +82,8 @@ constexpr AxisWords axis_words[] = {{"theta_i_deg", "θi"},
 
 }  // namespace
 
-Json causes_json(const gap::Diagnosis& d, const gap::scan::Picture& picture) {
+Json causes_json(const gap::Diagnosis& d, const std::vector<gap::Effect>& effects,
+                 const std::vector<gap::Alternative>& alternatives) {
   const auto probability = [&](const std::string& name) {
     for (const auto& [known, p] : d.probabilities)
       if (known == name) return p;
@@ -125,10 +126,9 @@ Json causes_json(const gap::Diagnosis& d, const gap::scan::Picture& picture) {
   Json parameters = Json::array(), physics = Json::array();
   for (const gap::Cause& cause : d.causes) {
     const gap::Effect* declared = nullptr;
-    for (const auto& c : picture.contributions)
-      if (c.effect.name == cause.effect && c.effect.family == cause.family) declared = &c.effect;
-    const bool scatters = picture.scatter && picture.scatter->name == cause.effect;
-    if (scatters) declared = &*picture.scatter;
+    for (const gap::Effect& e : effects)
+      if (e.name == cause.effect && e.family == cause.family) declared = &e;
+    const bool scatters = declared != nullptr && declared->scatter;
     append(parameters,
            value_rows(label_of(cause.effect, cause.family), cause.parameters, declared));
     if (declared != nullptr)
@@ -138,7 +138,7 @@ Json causes_json(const gap::Diagnosis& d, const gap::scan::Picture& picture) {
                          "Light that changes from record to record but not within one, unseen by "
                          "the monitor: only a place that is measured again tells it from a pattern "
                          "that belongs to the place."});
-    for (const auto& other : picture.alternatives) {
+    for (const gap::Alternative& other : alternatives) {
       if (other.instead_of != cause.effect) continue;
       const std::string label = label_of(other.effect.name, other.effect.family);
       append(parameters, value_rows("or " + label, other.parameters, &other.effect));

@@ -48,6 +48,13 @@ Json facts(const DiagnosisInput& input) {
   return out;
 }
 
+std::vector<gap::Effect> declared_in(const gap::scan::Picture& picture) {
+  std::vector<gap::Effect> effects;
+  for (const gap::scan::Contribution& c : picture.contributions) effects.push_back(c.effect);
+  if (picture.scatter) effects.push_back(*picture.scatter);
+  return effects;
+}
+
 Json provenance_rows(const DiagnosisInput& input) {
   Json rows = Json::array();
   for (const std::string& file : input.files) rows.push_back({"scan", file});
@@ -78,9 +85,10 @@ std::string diagnosis_data(const DiagnosisInput& input) {
             {"verdict", gap::to_string(d.verdict)},
             {"sentence", gap::verdict_sentence(d)},
             {"model", input.source.model},
+            {"items", "records"},
             {"facts", facts(input)},
             {"notes", input.source.notes},
-            {"causes", causes_json(d, picture)},
+            {"causes", causes_json(d, declared_in(picture), picture.alternatives)},
             {"gap", gap_json(d, *d.bounds)},
             {"next", next_json(d)},
             {"plan", result.next_plan},

@@ -46,8 +46,10 @@ Json residual_trace(const Scene& scene);
 /// What each effect of the best explanation does, along the axis where it shows best.
 Json signatures(const Scene& scene);
 
-/// Causes as bars, ambiguity sets as one; their parameters; rivals' parameters.
-Json causes_json(const gap::Diagnosis& diagnosis, const gap::scan::Picture& picture);
+/// Causes as bars, ambiguity sets as one; their parameters; rivals' parameters. `declared`: effects
+/// among which are those of the causes, for their physics and meanings.
+Json causes_json(const gap::Diagnosis& diagnosis, const std::vector<gap::Effect>& declared,
+                 const std::vector<gap::Alternative>& alternatives);
 /// {bars:[{name, g2, percent, …}], closed}
 Json gap_json(const gap::Diagnosis& diagnosis, const gap::GapBounds& bounds);
 /// [{menu, words, separates, separation, minutes}]

@@ -101,7 +101,11 @@ std::vector<double> SceneTable::spectrum(std::string_view key,
       known = read_spectrum(folder / inner.text("file"), inner.text("column"));
     } else {
       constexpr double unlimited = std::numeric_limits<double>::max();
-      known.wavelength_um = inner.numbers("wavelength_um", 0.0, unlimited);
+      const bool nm = inner.has("wavelength_nm");
+      known.wavelength_um = inner.numbers(nm ? "wavelength_nm" : "wavelength_um", 0.0, unlimited);
+      if (nm) {
+        for (double& w : known.wavelength_um) w *= 1e-3;
+      }
       known.value = inner.numbers("value", -unlimited, unlimited);
       if (known.value.size() != known.wavelength_um.size() ||
           !std::is_sorted(known.wavelength_um.begin(), known.wavelength_um.end(),

@@ -31,8 +31,8 @@ class SceneTable {
   /// A number or a list of `count` numbers; the former is repeated.
   std::vector<double> spectrum(std::string_view key, std::size_t count, double low, double high);
   /// A value for each of the wavelengths (µm) from a number, a list with one number a wavelength,
-  /// { wavelength_um = […], value = […] } or { file = "…", column = "…" }, the file's name from
-  /// where the scene file is.
+  /// { wavelength_um = […], value = […] } (or wavelength_nm) or { file = "…", column = "…" }, the
+  /// file's name from where the scene file is.
   std::vector<double> spectrum(std::string_view key, const std::vector<double>& wavelengths_um,
                                double low, double high);
   /// A list of numbers or { from, to, step }.

@@ -7,13 +7,15 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <sstream>
 
 #include "host/errors/error.hpp"
 
 namespace umov {
 namespace {
+
+/// A hundred thousand lines.
+constexpr std::size_t most_bytes = std::size_t{8} << 20;
 
 std::vector<std::string> cells_of(const std::string& line) {
   std::vector<std::string> cells(1);
@@ -51,8 +53,17 @@ double Spectrum::at(double wavelength, const std::string& name) const {
 Spectrum read_spectrum(const std::filesystem::path& path, const std::string& column) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw Error(Place{path.string()}, "cannot be read", "check its name");
-  const std::string text((std::istreambuf_iterator<char>(stream)),
-                         std::istreambuf_iterator<char>());
+  // One byte beyond the limit, so that a device without an end is refused as well.
+  std::string text(most_bytes + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (stream.bad())
+    throw Error(Place{path.string()}, "cannot be read to its end", "check the disk");
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  if (text.size() > most_bytes) {
+    throw Error(Place{path.string()},
+                fmt::format("is larger than {} MiB, too large for a spectrum", most_bytes >> 20),
+                "name a CSV file with one line a wavelength");
+  }
   return parse_spectrum(text, path.string(), column);
 }
 

@@ -16,7 +16,8 @@ struct Spectrum {
 };
 
 /// A column of a CSV file with a header line and a column `wavelength_um` or `wavelength_nm`;
-/// lines that begin with # are notes. Throws umov::Error with file and line.
+/// lines that begin with # are notes. Throws umov::Error with file and line, and for a file beyond
+/// 8 MiB.
 Spectrum read_spectrum(const std::filesystem::path& path, const std::string& column);
 
 /// The same from text; `name` names it in errors.

@@ -24,26 +24,6 @@ constexpr double single_precision = 1e-6;
 // Farther than any face; a face parallel to the ray is at infinity.
 constexpr double far_away = 1e30;
 
-// What one search knows beside Embree's ray. Embree hands its first member to the callbacks.
-struct Search {
-  RTCIntersectContext embree;
-  Vec3 origin, direction;
-  double nearest;  // distance of the best face so far, or the limit
-  double extent;
-  const void* owner = nullptr;
-  std::uint32_t face = 0;
-};
-
-Search& search_of(RTCIntersectContext* context) {
-  return *reinterpret_cast<Search*>(context);
-}
-
-// Embree's distance, a little more than the exact one so that near ties come to be decided here.
-float embree_distance(const Search& search, double distance) {
-  const double shifted = distance + 2.0 * single_precision * search.extent;
-  return static_cast<float>(shifted * (1.0 + 1e-6));
-}
-
 struct Device {
   RTCDevice device = rtcNewDevice("threads=1");
   Device() {
@@ -56,6 +36,23 @@ struct Device {
 };
 
 }  // namespace
+
+// What one search knows beside Embree's ray. Embree hands its first member to the callbacks.
+struct Geometry::Search {
+  RTCIntersectContext embree;
+  Vec3 origin, direction;
+  double nearest;  // distance of the best face so far, or the limit
+  double extent;
+  const void* owner = nullptr;
+  std::uint32_t face = 0;
+
+  static Search& of(RTCIntersectContext* context) { return *reinterpret_cast<Search*>(context); }
+  // Embree's distance, a little more than the exact one so that near ties come to be decided here.
+  float embree_distance(double distance) const {
+    const double shifted = distance + 2.0 * single_precision * extent;
+    return static_cast<float>(shifted * (1.0 + 1e-6));
+  }
+};
 
 struct Geometry::Face {
   Vec3 corner, edge1, edge2;  // edges from the corner
@@ -97,7 +94,7 @@ struct Geometry::Rounds {
 void Geometry::Mesh::decide(const RTCFilterFunctionNArguments* args) {
   const auto& mesh = *static_cast<const Mesh*>(args->geometryUserPtr);
   const auto* hit = reinterpret_cast<const RTCHit*>(args->hit);
-  Search& search = search_of(args->context);
+  Search& search = Search::of(args->context);
   const Face& face = mesh.faces[hit->primID];
   const double height = dot(face.normal, search.origin - face.corner);
   const double distance = -height / dot(face.normal, search.direction);
@@ -150,7 +147,7 @@ void Geometry::Balls::intersect(const RTCIntersectFunctionNArguments* args) {
   if (args->valid[0] == 0) return;
   const auto& balls = *static_cast<const Balls*>(args->geometryUserPtr);
   const Sphere& s = balls.spheres[args->primID];
-  Search& search = search_of(args->context);
+  Search& search = Search::of(args->context);
   const Vec3 from_centre = search.origin - s.centre;
   const double b = dot(from_centre, search.direction);
   const double radius2 = s.radius * s.radius;
@@ -174,7 +171,7 @@ void Geometry::Balls::intersect(const RTCIntersectFunctionNArguments* args) {
     search.owner = &balls;
     search.face = args->primID;
     auto* rayhit = reinterpret_cast<RTCRayHit*>(args->rayhit);
-    rayhit->ray.tfar = std::min(rayhit->ray.tfar, embree_distance(search, distance));
+    rayhit->ray.tfar = std::min(rayhit->ray.tfar, search.embree_distance(distance));
     rayhit->hit.geomID = args->geomID;
     rayhit->hit.primID = args->primID;
     return;
@@ -194,7 +191,7 @@ void Geometry::Rounds::bounds(const RTCBoundsFunctionArguments* args) {
 void Geometry::Rounds::intersect(const RTCIntersectFunctionNArguments* args) {
   if (args->valid[0] == 0) return;
   const auto& rounds = *static_cast<const Rounds*>(args->geometryUserPtr);
-  Search& search = search_of(args->context);
+  Search& search = Search::of(args->context);
   const auto distance = rounds.with(args->primID, [&](const auto& face) {
     return meeting(face, search.origin, search.direction, search.nearest, on_face * search.extent);
   });
@@ -203,7 +200,7 @@ void Geometry::Rounds::intersect(const RTCIntersectFunctionNArguments* args) {
   search.owner = &rounds;
   search.face = args->primID;
   auto* rayhit = reinterpret_cast<RTCRayHit*>(args->rayhit);
-  rayhit->ray.tfar = std::min(rayhit->ray.tfar, embree_distance(search, *distance));
+  rayhit->ray.tfar = std::min(rayhit->ray.tfar, search.embree_distance(*distance));
   rayhit->hit.geomID = args->geomID;
   rayhit->hit.primID = args->primID;
 }
@@ -334,9 +331,19 @@ double Geometry::head_start() const {
   return single_precision * extent_;
 }
 
-std::optional<Hit> Geometry::nearest(const Vec3& origin, const Vec3& direction,
-                                     double limit) const {
+std::optional<MaterialId> Geometry::nearest_material(const Vec3& origin, const Vec3& direction,
+                                                     double limit) const {
   Search search;
+  find(origin, direction, limit, search);
+  if (search.owner == nullptr) return std::nullopt;
+  if (search.owner == balls_.get()) return balls_->spheres[search.face].material;
+  if (search.owner == rounds_.get()) {
+    return rounds_->with(search.face, [](const auto& face) { return face.material; });
+  }
+  return static_cast<const Mesh*>(search.owner)->faces[search.face].material;
+}
+
+void Geometry::find(const Vec3& origin, const Vec3& direction, double limit, Search& search) const {
   rtcInitIntersectContext(&search.embree);
   search.origin = origin;
   search.direction = direction;
@@ -352,7 +359,7 @@ std::optional<Hit> Geometry::nearest(const Vec3& origin, const Vec3& direction,
   rayhit.ray.dir_z = static_cast<float>(direction.z);
   rayhit.ray.tnear = 0.0F;
   rayhit.ray.tfar =
-      limit < far_away ? embree_distance(search, limit) : std::numeric_limits<float>::infinity();
+      limit < far_away ? search.embree_distance(limit) : std::numeric_limits<float>::infinity();
   rayhit.ray.time = 0.0F;
   rayhit.ray.mask = ~0U;
   rayhit.ray.id = 0;
@@ -364,6 +371,12 @@ std::optional<Hit> Geometry::nearest(const Vec3& origin, const Vec3& direction,
     record_->push_back({{r.org_x, r.org_y, r.org_z}, {r.dir_x, r.dir_y, r.dir_z}, r.tfar});
   }
   rtcIntersect1(embree_, &search.embree, &rayhit);
+}
+
+std::optional<Hit> Geometry::nearest(const Vec3& origin, const Vec3& direction,
+                                     double limit) const {
+  Search search;
+  find(origin, direction, limit, search);
   if (search.owner == nullptr) return std::nullopt;
 
   Hit hit;

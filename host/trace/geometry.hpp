@@ -36,6 +36,11 @@ class Geometry {
   /// The nearest face at a distance above 0 and up to `limit`. `direction` has unit length.
   std::optional<Hit> nearest(const Vec3& origin, const Vec3& direction, double limit) const;
 
+  /// The material of that face, without where it was met: less work for those who only ask
+  /// whether something is in between.
+  std::optional<MaterialId> nearest_material(const Vec3& origin, const Vec3& direction,
+                                             double limit) const;
+
   double top() const { return top_; }        ///< no face is higher
   double bottom() const { return bottom_; }  ///< no face is lower
 
@@ -50,10 +55,13 @@ class Geometry {
   double head_start() const;
 
  private:
+  struct Search;
   struct Face;
   struct Mesh;
   struct Balls;
   struct Rounds;
+
+  void find(const Vec3& origin, const Vec3& direction, double limit, Search& search) const;
 
   RTCSceneTy* embree_ = nullptr;
   std::unique_ptr<Balls> balls_;

@@ -21,4 +21,18 @@ inline std::array<double, 4> uniforms(std::uint64_t seed, std::uint64_t sample,
   return {unit(bits[0]), unit(bits[1]), unit(bits[2]), unit(bits[3])};
 }
 
+/// Eight of them at once, of a generator twice as wide and hardly slower. Numbers of their own:
+/// independent of uniforms() of the same path.
+inline std::array<double, 8> eight_uniforms(std::uint64_t seed, std::uint64_t sample,
+                                            std::uint32_t event) {
+  const auto bits = r123::Philox4x64()({{sample, event, 0, 0}}, {{seed, 0}});
+  constexpr double step = 1.0 / 4294967296.0;
+  std::array<double, 8> numbers;
+  for (std::size_t i = 0; i < 4; ++i) {
+    numbers[2 * i] = (static_cast<double>(static_cast<std::uint32_t>(bits[i])) + 0.5) * step;
+    numbers[2 * i + 1] = (static_cast<double>(bits[i] >> 32) + 0.5) * step;
+  }
+  return numbers;
+}
+
 }  // namespace umov::trace

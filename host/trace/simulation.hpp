@@ -10,6 +10,7 @@
 #include <functional>
 #include <vector>
 
+#include "host/parallel/team.hpp"
 #include "host/trace/hemisphere.hpp"
 #include "host/trace/path_tracer.hpp"
 
@@ -33,16 +34,6 @@ struct Progress {
   const Result& result;       ///< of what has been traced
 };
 
-/// Processes that share one run and must all call simulate() with the same request.
-class Team {
- public:
-  virtual ~Team() = default;
-  virtual std::size_t rank() const = 0;
-  virtual std::size_t size() const = 0;
-  /// Each rank gives as many numbers; each gets those of all, in the order of ranks.
-  virtual std::vector<double> gather(const std::vector<double>& own) = 0;
-};
-
 struct Request {
   double theta_i = 0.0;  ///< radians, 0 to below π/2
   std::uint64_t seed = 1;
@@ -53,10 +44,10 @@ struct Request {
   int threads = 0;                    ///< 0: all cores; changes no result
   /// Exits count that have met so many faces at most; 0: all. The ledger counts all.
   std::uint32_t most_meetings = 0;
-  bool emissivity = false;            ///< also by whom light is absorbed
+  bool emissivity = false;  ///< also by whom light is absorbed
   std::function<void(const Progress&)> progress = {};
   std::function<bool()> stop = {};  ///< asked now and then; true ends the run with what there is
-  Team* team = nullptr;             ///< changes no result
+  const Team* team = nullptr;       ///< all must make the same request; changes no result
 };
 
 class Result {

@@ -1,12 +1,15 @@
 """umov simulate chamber: a scene file in; map, distribution and their files out."""
 
 import json
+import os
 import re
+import shutil
+import subprocess
 import unittest
 
 import h5py
 
-from umov_case import SOURCE, UmovCase
+from umov_case import SOURCE, UMOV, UmovCase
 
 EXAMPLE = SOURCE / "examples/chambers/mixing-chamber.toml"
 SMALL = """[chamber]
@@ -56,6 +59,46 @@ class SimulateChamber(UmovCase):
         self.assertAlmostEqual(float(numbers[13 + 37 + 5]), intensity[0, 0], places=4)
         cd_per_klm = float((self.folder / "c.ldt").read_text().splitlines()[42 + 4 + 37])
         self.assertAlmostEqual(cd_per_klm * 2 / 1000, intensity[0, 0], places=4)
+
+    @unittest.skipUnless(shutil.which("mpirun"), "mpirun is not installed")
+    def test_any_number_of_ranks_and_threads_gives_the_same_bits(self):
+        scene = self.scene(SMALL)
+        environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+
+        def run(*launcher, threads, output):
+            command = [*launcher, UMOV, "simulate", "chamber", scene, "-o", output, "--threads", threads, "--json", "--quiet"]
+            done = subprocess.run([str(word) for word in command], cwd=self.folder, timeout=120, env=environment, capture_output=True, text=True,
+                                  check=True)
+            with h5py.File(self.folder / output) as file:
+                columns = {}
+                file.visititems(lambda name, node: columns.update({name: node[:].tobytes()}) if getattr(node, "dtype", None) == float else None)
+            return json.loads(done.stdout), columns
+
+        alone = run(threads=1, output="alone.h5")
+        self.assertIn("map/luminance_cd_m2", alone[1])
+        self.assertIn("lid/intensity_se", alone[1])
+        for ranks, threads in ((1, 2), (2, 1), (4, 1), (4, 2)):
+            team = run("mpirun", "--oversubscribe", "--bind-to", "none", "-n", ranks, threads=threads, output=f"team{ranks}{threads}.h5")
+            self.assertEqual(team, alone, f"{ranks} ranks of {threads} threads")
+
+    def test_colours_are_kept_band_by_band(self):
+        (self.folder / "led.csv").write_text("wavelength_nm,power\n380,0\n450,3\n500,1\n600,2\n780,0\n", encoding="utf-8")
+        text = SMALL.replace("rho = 0.9", "rho = [0.2, 0.5, 0.9, 0.9]") + "[bands]\nwavelength_nm = [430, 500, 570, 640]\n"
+        scene = self.scene(text.replace("flux_lm = 2", 'flux_lm = 2\nspectrum = { file = "led.csv", column = "power" }'))
+        said = json.loads(self.must("simulate", "chamber", scene, "-o", "sim.h5", "--json", "--quiet").stdout)
+        with h5py.File(self.folder / "sim.h5") as file:
+            radiance = file["map/radiance"][:]
+            self.assertEqual(radiance.shape, (4, 12, 20))
+            self.assertEqual([round(um, 9) for um in file["map/wavelength_um"][:]], [0.43, 0.5, 0.57, 0.64])
+            # The walls take blue out of the light, at every bounce again; the LED, in view too, has more of it than of red.
+            luminance = file["map/luminance_cd_m2"][:]
+            walls = (luminance > 0) & (luminance < 0.2 * luminance.max())
+            self.assertGreater(walls.sum(), 20)
+            self.assertLess(radiance[0][walls].mean(), 0.5 * radiance[3][walls].mean())
+            self.assertGreater(radiance[0].max(), radiance[3].max())
+            self.assertEqual(file["lid/spectrum_out"].shape, (4,))
+        self.assertAlmostEqual(said["map"]["bands"][2]["mean_radiance"], radiance[2].mean(), places=9)
+        self.must("simulate", "chamber", scene, "--compare", "sim.h5", "--quiet")  # read again, checksum and all
 
     def test_a_map_is_like_itself_and_less_like_another(self):
         scene = self.scene(SMALL)

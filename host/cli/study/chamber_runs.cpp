@@ -22,6 +22,11 @@ std::vector<WallModel> wall_models() {
                "tabular", chamber::PlanesSurface(table, 0, chamber::mcpet_total))}};
 }
 
+std::shared_ptr<const Surface> plastic_wall(double total) {
+  return std::make_shared<const Surface>("plastic",
+                                         chamber::PlanesSurface(chamber::dense_mcpet(), 0, total));
+}
+
 MixingChamber known_chamber() {
   return {};
 }
@@ -35,8 +40,7 @@ MixingChamber measured_chamber() {
   m.flux_lm = {0.97, 0.945, 0.965, 0.96};
   m.edge_rho = 0.04;
   m.view_deg = 55.4;
-  m.wall = std::make_shared<const Surface>(
-      "plastic", chamber::PlanesSurface(chamber::dense_mcpet(), 0, chamber::mcpet_total - 0.001));
+  m.wall = plastic_wall(chamber::mcpet_total - 0.001);
   return m;
 }
 

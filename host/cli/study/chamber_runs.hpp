@@ -18,6 +18,9 @@ struct WallModel {
 };
 std::vector<WallModel> wall_models();
 
+/// The material that the models are of, as well as it can be known.
+std::shared_ptr<const chamber::Surface> plastic_wall(double total);
+
 /// The chamber as the models know it, and as it is measured: with what the models are not told.
 chamber::MixingChamber known_chamber();
 chamber::MixingChamber measured_chamber();

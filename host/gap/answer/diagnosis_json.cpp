@@ -79,6 +79,14 @@ std::string diagnosis_to_json(const Diagnosis& d, const AnswerSource& source) {
                 {"after", size(d.after, bounds ? &bounds->after : nullptr)},
                 {"floor", size(d.floor, bounds ? &bounds->floor : nullptr, false)},
                 {"closed_fraction", interval(d.closed_fraction)}};
+  if (source.likeness) {
+    const auto add = [&](const char* when, const ImageLikeness& l) {
+      out["gap"][when]["ncc"] = l.ncc;
+      out["gap"][when]["nrmse"] = l.nrmse;
+    };
+    add("before", source.likeness->first);
+    add("after", source.likeness->second);
+  }
   out["where"] = cells(d.where);
   out["causes"] = Json::array();
   for (const Cause& c : d.causes) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,6 +26,12 @@ struct FollowUpRound {
   Outcome before, after;
 };
 
+/// How alike a measured image and a simulated one are.
+struct ImageLikeness {
+  double ncc = 0;    ///< normalised cross-correlation
+  double nrmse = 0;  ///< rms difference over the largest value
+};
+
 /// What the answer rests on; written beside it.
 struct AnswerSource {
   std::size_t records = 0, used = 0;
@@ -39,6 +46,8 @@ struct AnswerSource {
   std::vector<std::pair<std::string, std::string>> known;
   std::vector<FollowUpRound> follow_ups;
   std::string follow_up_ended;  ///< why a prescribed scan was not taken
+  /// Of an image with the simulation, without and with the causes.
+  std::optional<std::pair<ImageLikeness, ImageLikeness>> likeness = {};
 };
 
 /// The text of the file, with a new line at its end.

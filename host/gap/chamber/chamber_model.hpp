@@ -1,5 +1,5 @@
-// A measured luminance map of a mixing chamber against its simulation: what of the chamber or its
-// material the simulation has wrong, from the map alone.
+// A measured luminance map of a luminaire against its simulation: what of the luminaire or its
+// materials the simulation has wrong, from the map alone.
 //
 // Linear about the simulation: a map plus the sum of its changes (map_signatures.hpp).
 #pragma once
@@ -13,8 +13,8 @@ namespace umov::gap {
 
 class ChamberModel : public ForwardModel {
  public:
-  /// `measured`: taken with the camera of the signatures, its standard errors those of the
-  /// measurement. Throws umov::Error for a map of another size.
+  /// `measured`: taken with the camera of the signatures and joined as they are, its standard
+  /// errors those of the measurement. Throws umov::Error for a map of another size.
   ChamberModel(std::shared_ptr<const MapSignatures> signatures, const chamber::Map& measured);
 
   const Observations& observations() const override { return observations_; }
@@ -23,6 +23,7 @@ class ChamberModel : public ForwardModel {
   void predict(const Explanation& explanation, Eigen::VectorXd& mean, Eigen::MatrixXd* jacobian,
                const std::vector<bool>& wanted = {}) const override;
   NoiseShape noise(const Eigen::VectorXd& mean) const override;
+  const MapSignatures& signatures() const { return *signatures_; }
 
  private:
   std::shared_ptr<const MapSignatures> signatures_;

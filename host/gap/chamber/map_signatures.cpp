@@ -5,203 +5,203 @@
 #include <cmath>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include "host/chamber/synthetic_mcpet.hpp"
-#include "host/optics/angles.hpp"
+#include "host/chamber/figures.hpp"
+#include "host/errors/error.hpp"
+#include "host/gap/chamber/map_causes.hpp"
+#include "host/gap/chamber/smoothing.hpp"
 
 namespace umov::gap {
 namespace {
 
 using chamber::Map;
-using chamber::MixingChamber;
-using chamber::Surface;
+using chamber::View;
 
-/// Widths of lobes that are tried: an octave apart.
-constexpr std::array lobe_widths{0.06, 0.12, 0.24};
-constexpr double total = chamber::mcpet_total;
+/// Maps of one camera, and which pixels see the luminaire in every one of them.
+class Simulator {
+ public:
+  Simulator(const MapOptions& options, double maps_ahead)
+      : options_(options), maps_ahead_(maps_ahead) {}
 
-std::shared_ptr<const Surface> matt(double rho) {
-  return std::make_shared<const Surface>("matt", chamber::Lambertian{rho});
-}
+  /// `rays` for a joined pixel.
+  Map simulate(const View& view, std::uint64_t rays, std::uint64_t seed) {
+    const chamber::Tracer tracer(view.luminaire);
+    const double maps =
+        static_cast<double>(rays) / static_cast<double>(options_.rays_per_signature);
+    chamber::MapRequest request;
+    request.rays_per_pixel = std::max<std::uint64_t>(2, rays / (options_.joined * options_.joined));
+    request.seed = seed;
+    request.threads = options_.threads;
+    request.progress = [&](double share) {
+      if (options_.progress) options_.progress((done_ + share * maps) / maps_ahead_);
+    };
+    const Map fine = chamber::luminance_map(tracer, view.camera, request);
+    done_ += maps;
+    lit_.resize(fine.luminance_cd_m2.size(), false);
+    for (std::size_t i = 0; i < lit_.size(); ++i)
+      lit_[i] = lit_[i] || fine.luminance_cd_m2[i] > 0.0;
+    width_ = fine.width;
+    height_ = fine.height;
+    return chamber::joined(fine, options_.joined);
+  }
 
-std::shared_ptr<const Surface> glossy(double alpha) {
-  return std::make_shared<const Surface>(
-      "glossy", chamber::PlanesSurface(
-                    chamber::synthetic_plastic(alpha, chamber::mcpet_theta_i_deg, 2.5), 0, total));
-}
+  /// Joined pixels away from all that is dark in every map: outlines, and what lies beyond them.
+  std::vector<std::size_t> inner_pixels() const {
+    const std::size_t n = options_.joined;
+    const std::size_t margin = std::max<std::size_t>(2, n);
+    std::vector<std::size_t> inner;
+    for (std::size_t y = 0; y + n <= height_; y += n) {
+      for (std::size_t x = 0; x + n <= width_; x += n) {
+        if (all_lit(x, y, n, margin)) inner.push_back(y / n * (width_ / n) + x / n);
+      }
+    }
+    return inner;
+  }
 
-std::shared_ptr<const Surface> with_mirror(double share) {
-  return std::make_shared<const Surface>("mirror", chamber::DiffuseSpecular{total, {0.0}, {share}});
-}
+ private:
+  bool all_lit(std::size_t x, std::size_t y, std::size_t size, std::size_t margin) const {
+    const auto before = [&](std::size_t at) { return at > margin ? at - margin : 0; };
+    for (std::size_t j = before(y); j < std::min(height_, y + size + margin); ++j)
+      for (std::size_t i = before(x); i < std::min(width_, x + size + margin); ++i)
+        if (!lit_[j * width_ + i]) return false;
+    return true;
+  }
 
-/// One parameter: how the chamber is changed by `step` of it.
-struct Change {
-  Parameter parameter;
-  double step;
-  std::function<void(MixingChamber&, double)> apply;
+  const MapOptions& options_;
+  double maps_ahead_, done_ = 0.0;
+  std::vector<bool> lit_;
+  std::size_t width_ = 0, height_ = 0;
 };
 
-Parameter sized(const char* name, const char* unit, const char* meaning, double usual) {
-  Parameter p{name, unit, meaning};
-  p.prior_u = usual;
-  return p;
-}
+/// A map found twice, each time with half of the rays: where both agree on a change it is one, else
+/// it is noise.
+using Halves = std::array<Map, 2>;
 
-struct Cause {
-  Effect effect;
-  std::vector<Change> changes;
-  bool on_matt_wall = false;  ///< the change is that of a diffuse wall
-};
-
-std::vector<Cause> causes() {
-  std::vector<Cause> all;
-  const auto effect = [](const char* name, const char* stage, const char* physics,
-                         const char* family = "") {
-    Effect e{name, stage, physics, "Opt. Eng. 52, 095101", {}, family};
-    e.linear = true;
-    return e;
+Halves halves(Simulator& simulator, const View& view, const MapOptions& options) {
+  const auto half = [&](std::uint64_t number) {
+    return simulator.simulate(view, std::max<std::uint64_t>(2, options.rays_per_signature / 2),
+                              options.seed + 1 + number);
   };
-  for (const double alpha : lobe_widths) {
-    Cause lobe{effect("near_specular_lobe", "wall",
-                      "the wall scatters about the mirror direction, more so towards grazing: "
-                      "blurred highlights and a brighter wall around them",
-                      fmt::format("alpha {:g}", alpha).c_str()),
-               {},
-               true};
-    lobe.effect.of_object = true;
-    Parameter p = sized("strength", "1", "over that of a smooth plastic of n = 1.6", 0.5);
-    p.lo = 0.0;
-    lobe.changes = {{p, 1.0, [alpha](MixingChamber& c, double) { c.wall = glossy(alpha); }}};
-    all.push_back(std::move(lobe));
+  return {half(0), half(1)};
+}
+
+/// A changed map, and how much of the parameter is in it: the other way where there is no room.
+struct Changed {
+  Halves maps;
+  double amount;
+};
+
+Changed changed(Simulator& simulator, const MapChange& change, const MapOptions& options) {
+  const auto with = [&](double amount) {
+    return Changed{halves(simulator, change.view(amount), options), amount};
+  };
+  if (change.parameter.lo >= 0.0) return with(change.step);
+  try {
+    static_cast<void>(change.view(change.step));
+  } catch (const Error&) {
+    return with(-change.step);
   }
-  Cause mirror{effect("mirror_reflection", "wall",
-                      "a share of the light is mirrored: images of the sources with sharp edges"),
-               {},
-               true};
-  mirror.effect.of_object = true;
-  Parameter share = sized("share", "1", "mirrored part of the reflectance", 0.01);
-  share.lo = 0.0;
-  mirror.changes = {{share, 0.02, [](MixingChamber& c, double s) { c.wall = with_mirror(s); }}};
-  all.push_back(std::move(mirror));
-  Cause wall{
-      effect("wall_absorption", "wall", "the wall absorbs more than the simulation's"), {}, true};
-  wall.effect.of_object = true;
-  wall.changes = {{sized("absorbed", "1", "more of each reflection", 0.005), 0.01,
-                   [](MixingChamber& c, double s) { c.wall = matt(total - s); }}};
-  all.push_back(std::move(wall));
-  all.push_back(
-      {effect("source_position", "sources", "holes and sources stand elsewhere on the base"),
-       {{sized("shift_x_mm", "mm", "of all, to the right", 0.2), 0.4,
-         [](MixingChamber& c, double s) { c.shift_x_mm += s; }},
-        {sized("shift_y_mm", "mm", "of all, away from the observer", 0.2), 0.4,
-         [](MixingChamber& c, double s) { c.shift_y_mm += s; }},
-        {sized("ring_mm", "mm", "radius of their ring", 0.2), 0.4,
-         [](MixingChamber& c, double s) { c.ring_radius_mm += s; }}}});
-  all.push_back({effect("source_depth", "sources", "the sources lie deeper below the base"),
-                 {{sized("depth_mm", "mm", "deeper", 0.1), 0.1,
-                   [](MixingChamber& c, double s) { c.depth_mm += s; }}}});
-  Cause imbalance{effect("exitance_imbalance", "sources",
-                         "the sources shine unequally; all together as much as stated"),
-                  {}};
-  constexpr std::array<std::array<double, 4>, 3> contrasts{
-      {{1.0, 1.0, -1.0, -1.0}, {1.0, -1.0, -1.0, 1.0}, {1.0, -1.0, 1.0, -1.0}}};
-  constexpr std::array names{"back_front", "right_left", "crosswise"};
-  for (std::size_t k = 0; k < contrasts.size(); ++k) {
-    imbalance.changes.push_back(
-        {sized(names[k], "1", "share that one pair has more than the other, over two", 0.02), 0.5,
-         [contrast = contrasts[k]](MixingChamber& c, double s) {
-           for (std::size_t i = 0; i < 4; ++i) c.flux_lm[i] *= 1.0 + s * contrast[i];
-         }});
+  return with(change.step);
+}
+
+Eigen::VectorXd at_pixels(const std::vector<double>& values,
+                          const std::vector<std::size_t>& pixels) {
+  Eigen::VectorXd v(static_cast<Eigen::Index>(pixels.size()));
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    v[static_cast<Eigen::Index>(i)] = values[pixels[i]];
+  return v;
+}
+
+/// An effect of the catalogue with the maps that show it.
+struct Shown {
+  const MapCause* cause;
+  std::vector<Changed> maps;
+};
+
+/// Which pixels are used, and what becomes of a change at them.
+class Reduction {
+ public:
+  Reduction(const std::vector<std::size_t>& pixels, std::size_t width)
+      : pixels_(pixels), smoothing_(places(pixels, width, true), places(pixels, width, false)) {}
+
+  Eigen::VectorXd change(const Halves& from, const Changed& to) const {
+    const auto half = [&](std::size_t i) -> Eigen::VectorXd {
+      return (at_pixels(to.maps[i].luminance_cd_m2, pixels_) -
+              at_pixels(from[i].luminance_cd_m2, pixels_)) /
+             to.amount;
+    };
+    return smoothing_.mean(half(0), half(1));
   }
-  all.push_back(std::move(imbalance));
-  Cause edge{effect("hole_edge_reflection", "holes", "the edges of the holes are not quite black"),
-             {}};
-  Parameter rho = sized("rho", "1", "reflectance of the edges", 0.05);
-  rho.lo = 0.0;
-  edge.changes = {{rho, 0.2, [](MixingChamber& c, double s) { c.edge_rho += s; }}};
-  all.push_back(std::move(edge));
-  all.push_back({effect("observer_angle", "camera", "the camera looks from another angle"),
-                 {{sized("view_deg", "deg", "further from the axis", 0.3), 0.5,
-                   [](MixingChamber& c, double s) { c.view_deg += s; }}}});
-  return all;
+
+ private:
+  static std::vector<double> places(const std::vector<std::size_t>& pixels, std::size_t width,
+                                    bool along_x) {
+    std::vector<double> out;
+    for (const std::size_t pixel : pixels)
+      out.push_back(static_cast<double>(along_x ? pixel % width : pixel / width));
+    return out;
+  }
+
+  const std::vector<std::size_t>& pixels_;
+  Smoothing smoothing_;
+};
+
+MapEffect signature_of(const Shown& shown, const Halves& from, const Reduction& reduction) {
+  MapEffect one{shown.cause->effect, {}};
+  const std::size_t count = shown.maps.size();
+  std::vector<Probe> probes;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Eigen::VectorXd column = reduction.change(from, shown.maps[k]);
+    one.columns.conservativeResize(column.size(), static_cast<Eigen::Index>(k + 1));
+    one.columns.col(static_cast<Eigen::Index>(k)) = column;
+    const Parameter& parameter = shown.cause->changes[k].parameter;
+    one.effect.parameters.push_back(parameter);
+    Probe probe(count, 0.0);
+    probe[k] = parameter.prior_u;
+    probes.push_back(std::move(probe));
+  }
+  one.effect.probes = {std::move(probes)};
+  return one;
 }
 
 }  // namespace
 
-MapSignatures map_signatures(const MixingChamber& chamber, const MapOptions& options) {
+MapSignatures map_signatures(const chamber::Described& luminaire, const MapOptions& options) {
   MapSignatures s;
-  s.chamber = chamber;
   s.options = options;
-  std::vector<Cause> all = causes();
-  double jobs = 6.0;
-  for (const Cause& cause : all) jobs += static_cast<double>(cause.changes.size());
-  double done = 0.0;
-  const auto simulated = [&](const MixingChamber& c, std::uint64_t rays, std::uint64_t seed) {
-    if (options.progress) options.progress(done / jobs);
-    done += static_cast<double>(rays) / static_cast<double>(options.rays_per_signature);
-    const chamber::Luminaire luminaire = c.luminaire();
-    const chamber::Tracer tracer(luminaire);
-    chamber::MapRequest request;
-    request.rays_per_pixel = rays;
-    request.seed = seed;
-    request.threads = options.threads;
-    return chamber::luminance_map(tracer, c.camera(options.coarser), request);
-  };
-  // Changes share the random numbers of what they are taken from, and none with the map itself.
-  const auto changed = [&](const MixingChamber& c) {
-    return simulated(c, options.rays_per_signature, options.seed + 1);
-  };
-  s.map = simulated(chamber, options.rays_per_pixel, options.seed);
+  const View plain = luminaire.view({});
+  const MapCauses list = map_causes(luminaire, size_of(plain.camera));
+  double maps = static_cast<double>(options.rays_per_pixel) /
+                    static_cast<double>(options.rays_per_signature) +
+                1.0 + static_cast<double>(list.origins.size());
+  for (const MapCause& cause : list.causes) maps += static_cast<double>(cause.changes.size());
+  Simulator simulator(options, maps);
 
-  // Away from the rim by more than any angle of view moves it.
-  const double a = 0.5 * chamber.diameter_mm - 1.5 * s.map.pixel_mm;
-  const double b = 0.5 * chamber.diameter_mm * std::cos(optics::radians(chamber.view_deg)) -
-                   1.5 * s.map.pixel_mm;
-  for (std::size_t y = 0; y < s.map.height; ++y) {
-    for (std::size_t x = 0; x < s.map.width; ++x) {
-      const double mm_x =
-          s.map.pixel_mm * (static_cast<double>(x) + 0.5 - 0.5 * static_cast<double>(s.map.width));
-      const double mm_y =
-          s.map.pixel_mm * (static_cast<double>(y) + 0.5 - 0.5 * static_cast<double>(s.map.height));
-      if (std::pow(mm_x / a, 2) + std::pow(mm_y / b, 2) < 1.0)
-        s.pixels.push_back(y * s.map.width + x);
-    }
+  // Changes share the random numbers of what they are taken from, and none with the map itself.
+  s.map = simulator.simulate(plain, options.rays_per_pixel, options.seed);
+  const Halves own = halves(simulator, plain, options);
+  std::vector<Halves> origins;
+  for (const auto& view : list.origins) origins.push_back(halves(simulator, view(), options));
+  std::vector<Shown> all;
+  for (const MapCause& cause : list.causes) {
+    all.push_back({&cause, {}});
+    for (const MapChange& change : cause.changes)
+      all.back().maps.push_back(changed(simulator, change, options));
   }
-  const auto inside = [&](const std::vector<double>& values) {
-    Eigen::VectorXd v(static_cast<Eigen::Index>(s.pixels.size()));
-    for (std::size_t i = 0; i < s.pixels.size(); ++i)
-      v[static_cast<Eigen::Index>(i)] = values[s.pixels[i]];
-    return v;
-  };
-  s.mean = inside(s.map.luminance_cd_m2);
-  s.se = inside(s.map.luminance_se);
-  MixingChamber plain = chamber;
-  plain.wall = matt(total);
-  const Eigen::VectorXd plain_mean = inside(changed(plain).luminance_cd_m2);
-  const Eigen::VectorXd own_mean = inside(changed(chamber).luminance_cd_m2);
+
+  s.pixels = simulator.inner_pixels();
+  if (s.pixels.empty())
+    throw Error("no pixel of the map sees the luminaire away from its outline",
+                "let the [camera] look at it, with smaller pixels");
+  s.mean = at_pixels(s.map.luminance_cd_m2, s.pixels);
+  s.se = at_pixels(s.map.luminance_se, s.pixels);
   s.highlight = Eigen::VectorXd::Zero(s.mean.size());
-  for (Cause& cause : all) {
-    MapEffect one{cause.effect,
-                  Eigen::MatrixXd(s.mean.size(), static_cast<Eigen::Index>(cause.changes.size()))};
-    std::vector<Probe> probes;
-    for (std::size_t k = 0; k < cause.changes.size(); ++k) {
-      const Change& change = cause.changes[k];
-      MixingChamber c = cause.on_matt_wall ? plain : chamber;
-      change.apply(c, change.step);
-      const Eigen::VectorXd& from = cause.on_matt_wall ? plain_mean : own_mean;
-      one.columns.col(static_cast<Eigen::Index>(k)) =
-          (inside(changed(c).luminance_cd_m2) - from) / change.step;
-      one.effect.parameters.push_back(change.parameter);
-      Probe probe(cause.changes.size(), 0.0);
-      probe[k] = change.parameter.prior_u;
-      probes.push_back(std::move(probe));
-    }
-    one.effect.probes = {std::move(probes)};
-    if (one.effect.name == "near_specular_lobe") {
-      s.highlight = s.highlight.cwiseMax(one.columns.col(0) / one.columns.col(0).maxCoeff());
-    }
-    s.effects.push_back(std::move(one));
+  const Reduction reduction(s.pixels, s.map.width);
+  for (const Shown& shown : all) {
+    s.effects.push_back(
+        signature_of(shown, shown.cause->origin ? origins[*shown.cause->origin] : own, reduction));
+    const Eigen::VectorXd& first = s.effects.back().columns.col(0);
+    if (shown.cause->effect.name == "near_specular_lobe" && first.maxCoeff() > 0.0)
+      s.highlight = s.highlight.cwiseMax(first / first.maxCoeff());
   }
   return s;
 }

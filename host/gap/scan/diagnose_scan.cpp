@@ -1,39 +1,11 @@
 #include "host/gap/scan/diagnose_scan.hpp"
 
-#include <algorithm>
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include "host/errors/error.hpp"
+#include "host/gap/engine/effect_names.hpp"
 #include "host/gap/engine/gap_bounds.hpp"
 #include "host/gap/scan/confined_cells.hpp"
 #include "host/gap/scan/next_scan.hpp"
 
 namespace umov::gap::scan {
-namespace {
-
-/// Effects by these names, all members of a family included.
-std::vector<std::size_t> numbers_of(const std::vector<std::string>& names,
-                                    const std::vector<Effect>& effects) {
-  std::vector<std::size_t> numbers;
-  for (const std::string& name : names) {
-    const std::size_t before = numbers.size();
-    for (std::size_t e = 0; e < effects.size(); ++e)
-      if (effects[e].name == name) numbers.push_back(e);
-    if (numbers.size() == before) {
-      std::vector<std::string> known;
-      for (const Effect& e : effects)
-        if (std::find(known.begin(), known.end(), e.name) == known.end()) known.push_back(e.name);
-      throw Error("no effect is called \"" + name + "\"",
-                  fmt::format("choose from: {}", fmt::join(known, ", ")));
-    }
-  }
-  return numbers;
-}
-
-}  // namespace
-
 namespace {
 
 /// A negative amplitude is a positive one half a turn away: reported so.
@@ -55,7 +27,7 @@ ScanDiagnosis diagnose_scans(const std::vector<formats::ScanTable>& scans,
                              const ScanDiagnoseOptions& options) {
   const ScanModel model(scans, options.model);
   DiagnoseOptions engine = options.diagnose;
-  engine.search.without = numbers_of(options.without, model.effects());
+  engine.search.without = effects_named(options.without, model.effects());
   ScanDiagnosis result{diagnose(model, engine),
                        model.reflectance(),
                        0,

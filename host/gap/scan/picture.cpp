@@ -13,21 +13,6 @@ Signals signals_of(const Eigen::VectorXd& both) {
   return {{both.data(), both.data() + n}, {both.data() + n, both.data() + 2 * n}};
 }
 
-/// Values of one effect of a fit with their 95 % intervals.
-std::vector<NamedValue> values_of(const ScanModel& model, const Refit& fit, std::size_t effect) {
-  const Eigen::VectorXd errors = standard_errors(fit.precision);
-  std::vector<NamedValue> values;
-  auto column = static_cast<Eigen::Index>(fit.explanation.base.size());
-  for (std::size_t k = 0; k < fit.explanation.effects.size(); ++k) {
-    const auto& declared = model.effects()[fit.explanation.effects[k]].parameters;
-    for (std::size_t i = 0; i < declared.size(); ++i, ++column) {
-      if (fit.explanation.effects[k] != effect) continue;
-      values.push_back(named_value(declared[i], fit.explanation.alpha[k][i], errors[column]));
-    }
-  }
-  return values;
-}
-
 }  // namespace
 
 Picture picture_of(const ScanModel& model, const Diagnosis& d, int threads) {
@@ -72,15 +57,7 @@ Picture picture_of(const ScanModel& model, const Diagnosis& d, int threads) {
     c.refitted = signals_of(best_mean - predicted(anew.explanation));
     c.delta_chi2 = anew.chi2 - best.chi2;
   });
-  for (const Diagnosis::Rival& rival : d.rivals) {
-    for (const std::size_t e : rival.rival.explanation.effects) {
-      if (model.effects()[e].name != rival.rival_effect ||
-          std::find(effects.begin(), effects.end(), e) != effects.end())
-        continue;
-      picture.alternatives.push_back(
-          {rival.effect, model.effects()[e], values_of(model, rival.rival, e)});
-    }
-  }
+  picture.alternatives = alternatives_of(model, d);
   for (const Effect& effect : model.effects())
     if (effect.scatter && std::any_of(d.causes.begin(), d.causes.end(), [&](const Cause& cause) {
           return cause.effect == effect.name;

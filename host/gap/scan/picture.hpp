@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/gap/engine/alternatives.hpp"
 #include "host/gap/engine/diagnosis.hpp"
 #include "host/gap/scan/record.hpp"
 #include "host/gap/scan/scan_model.hpp"
@@ -26,13 +27,6 @@ struct Contribution {
   /// All else fitted anew without the effect: what nothing but the effect explains.
   Signals refitted;
   double delta_chi2 = 0;  ///< lost without it, all else fitted anew
-};
-
-/// What a cause's rival would be like in its place.
-struct Alternative {
-  std::string instead_of;  ///< the effect of the best explanation
-  Effect effect;
-  std::vector<NamedValue> parameters;
 };
 
 struct Picture {

@@ -26,8 +26,12 @@ Ranks::Ranks() {
     throw Error("MPI could not be started", "start the program with the mpirun it was built with");
   }
   running_ = !already;
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
-  MPI_Comm_size(MPI_COMM_WORLD, &size_);
+  int rank = 0;
+  int size = 1;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &size);
+  rank_ = static_cast<std::size_t>(rank);
+  size_ = static_cast<std::size_t>(size);
 }
 
 Ranks::~Ranks() {
@@ -36,7 +40,7 @@ Ranks::~Ranks() {
 
 std::vector<double> Ranks::gather(const std::vector<double>& own) const {
   if (size_ == 1) return own;
-  std::vector<double> all(own.size() * static_cast<std::size_t>(size_));
+  std::vector<double> all(own.size() * size_);
   const int count = static_cast<int>(own.size());
   if (MPI_Allgather(own.data(), count, MPI_DOUBLE, all.data(), count, MPI_DOUBLE, MPI_COMM_WORLD) !=
       MPI_SUCCESS) {

@@ -3,31 +3,36 @@
 
 #include <vector>
 
+#include "host/parallel/team.hpp"
+
 namespace umov {
 
 /// While one lives, MPI is running, if mpirun (or a batch system's launcher that speaks PMI) has
 /// started the program; else MPI is never called, rank() is 0 and size() 1. One at a time, in the
 /// main thread. The destructor waits for the other ranks to come to theirs.
-class Ranks {
+class Ranks : public Team {
  public:
   /// Throws umov::Error where MPI cannot start.
   Ranks();
-  ~Ranks();
+  ~Ranks() override;
   Ranks(const Ranks&) = delete;
   Ranks& operator=(const Ranks&) = delete;
 
-  int rank() const { return rank_; }
-  int size() const { return size_; }
+  std::size_t rank() const override { return rank_; }
+  std::size_t size() const override { return size_; }
 
-  /// Each rank gives as many numbers; each gets those of all, in the order of ranks. All ranks must
-  /// call it, from their main threads. Throws umov::Error where the numbers do not come through.
-  std::vector<double> gather(const std::vector<double>& own) const;
+  /// All ranks must call it, from their main threads. Throws umov::Error where the numbers do not
+  /// come through.
+  std::vector<double> gather(const std::vector<double>& own) const override;
+
+  /// Threads to compute with, where `asked` for 0: all cores of a process alone, one of a rank.
+  int threads(int asked) const { return asked == 0 && size_ > 1 ? 1 : asked; }
 
   /// Was this process started as one of several?
   static bool launched();
 
  private:
-  int rank_ = 0, size_ = 1;
+  std::size_t rank_ = 0, size_ = 1;
   bool running_ = false;
 };
 

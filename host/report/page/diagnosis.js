@@ -1,33 +1,4 @@
-// The page of a diagnosis from top to bottom.
-
-const VERDICTS = {
-  none_needed: ["good", "nothing needed"], explained: ["good", "explained"], explained_in_part: ["partly", "explained in part"],
-  unexplained: ["bad", "unexplained"],
-};
-
-function verdictHead() {
-  const [tone, words] = VERDICTS[DATA.verdict];
-  return h("header", { class: "sample-head" },
-    h("h2", { class: "visually-hidden" }, "Diagnosis"),
-    h("p", { class: `verdict ${tone}` }, h("span", { class: "badge" }, words), h("span", { class: "sentence" }, DATA.sentence)),
-    h("dl", { class: "facts" }, DATA.facts.map((f) => h("div", {}, h("dt", {}, f.name), h("dd", {}, f.value),
-      f.note ? h("dd", { class: "fact-note" }, f.note) : null))));
-}
-
-const CELL_COLUMNS = [{ title: "along", align: "left" }, { title: "from … to" }, { title: "in", align: "left" },
-  { title: "records" }, { title: "z" }, { title: "p" }];
-
-function whereSection() {
-  const content = DATA.where.cells.length
-    ? table(CELL_COLUMNS, DATA.where.cells, { caption: "Before: where the base model misses", class: "cells" })
-    : h("p", {}, `Nowhere: the worst place would be as bad by chance with p = ${DATA.where.p_global}.`);
-  const left = !DATA.explained ? null : DATA.left.cells.length
-    ? table(CELL_COLUMNS, DATA.left.cells, { caption: `After: what is left (G² = ${DATA.left.g2} above the floor)`, class: "cells" })
-    : h("p", { class: "note" }, `After: nothing significant is left (p = ${DATA.left.p_global}).`);
-  return section("where", "Where it misses",
-    "Places of the residual, worst first. p counts how many places were looked at: noise alone would give one as bad anywhere this often.",
-    content, left);
-}
+// The page of a scan's diagnosis from top to bottom.
 
 function diagnosisArticle() {
   const named = DATA.causes.bars.length > 0;
@@ -42,29 +13,9 @@ function diagnosisArticle() {
     maps, signaturesSection(),
     section("trace", "In the order of measurement", null, traceFigure().node),
     whereSection(),
-    section("base", "Base model", `What the simulation ${DATA.model} was fitted to, together with the causes.`,
-      h("details", { class: "provenance" }, h("summary", {}, h("b", {}, `${DATA.base.length} parameters`)),
-        table([{ title: "parameter", align: "left" }, { title: "value" }, { title: "95 % interval" }, { title: "unit", align: "left" }],
-          DATA.base))),
-    section("provenance", "Provenance", null, h("div", { class: "table-scroll wide" }, h("table", { class: "keys" },
-      h("tbody", {}, DATA.provenance.map(([key, value]) => h("tr", {}, h("th", { scope: "row", class: "left" }, key),
-        h("td", { class: "left" }, value))))))));
+    baseSection(), provenanceSection());
 }
 
-function colophon() {
-  document.getElementById("colophon").append(
-    h("p", {}, "θi, θr: commanded angles of incidence and exit from the sample normal; in the plane of incidence θr is signed, positive on the mirror side. "
-      + "P: electric field in the plane of incidence; S: across it; U: none in the beam. σ: standard deviation of one record with all its noise. "
-      + "G² is the mean squared residual of withheld rows in units of the noise, less one."),
-    h("p", {}, `Written by ${DATA.program}. Figures by plotly.js, © 2012–2021 Plotly, Inc., MIT licence (text in the source of this page). `
-      + "The page is complete in itself and asks nothing of the network."));
-}
-
-applyTheme();
-masthead("Diagnosis of a scan");
-document.getElementById("main").append(diagnosisArticle());
-contents();
-colophon();
-paintSwatches();
-watchSurroundings();
-drawAllInTurn();
+showPage("Diagnosis of a scan", diagnosisArticle,
+  "θi, θr: commanded angles of incidence and exit from the sample normal; in the plane of incidence θr is signed, positive on the mirror side. "
+  + "P: electric field in the plane of incidence; S: across it; U: none in the beam. σ: standard deviation of one record with all its noise. ");

@@ -30,7 +30,7 @@ function causesSection() {
   const content = [];
   if (causes.bars.length) content.push(causeBars());
   if (causes.bars.some((b) => b.effects.length > 1)) content.push(h("p", { class: "note" },
-    "“One of” names what this scan cannot tell apart: one bar, one joint probability and share."
+    "“One of” names what this measurement cannot tell apart: one bar, one joint probability and share."
       + (DATA.next.length ? " The next scan may tell." : "")));
   // Coefficients of free shapes mean nothing one by one.
   const coefficients = causes.parameters.filter((row) => /^term_/.test(row[1]));
@@ -68,7 +68,7 @@ function gapFigure() {
       yaxis: axis("", { autorange: "reversed", showgrid: false, ticks: "" }),
       xaxis: axis(percent ? "gap / % of the signal" : "gap G² = mean(z²) − 1", { range: [Math.min(0, ...values.map((v) => v.lo)) * 1.1,
         most * (width < 560 ? 2.7 : 1.45)], zeroline: true }) },
-      caption: ["On rows of the scan that the fit did not see. Whiskers: 95 %; before and after from rows drawn anew with replacement, "
+      caption: ["On rows that the fit did not see. Whiskers: 95 %; before and after from rows drawn anew with replacement, "
         + "the floor from the chance of as many noise values. The floor is what not even the true model could go below.",
         DATA.explained ? ` Closed of what can be closed: ${DATA.gap.closed.text} (${DATA.gap.closed.interval}).` : ""].join("") };
   });

@@ -66,6 +66,14 @@ TEST(Advice, NothingCanBeLeftOutOfALambertianWall) {
             std::string::npos);
 }
 
+TEST(Advice, IsNotGivenOnSpectra) {
+  const auto coloured = std::make_shared<const Surface>(
+      "coloured", std::vector<Surface::Kind>{DiffuseSpecular(0.3, {0.0}, {0.05}),
+                                             DiffuseSpecular(0.9, {0.0}, {0.05})});
+  EXPECT_NE(failure_of([&] { advise(job(coloured), {}); }).find("coloured: has a spectrum"),
+            std::string::npos);
+}
+
 TEST(MeasuredPlanes, BringBackASurfaceThatIsATable) {
   const brdf::PlanesTable table = synthetic_mcpet(mcpet_theta_i_deg, 2.5);
   const Surface surface("table", PlanesSurface(table, 0, mcpet_total));

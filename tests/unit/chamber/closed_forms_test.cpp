@@ -1,6 +1,7 @@
 // What the tracer must find where the answer is known without it.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/chamber/camera.hpp"
@@ -10,6 +11,7 @@
 #include "host/chamber/synthetic_mcpet.hpp"
 #include "host/trace/random_stream.hpp"
 #include "tests/unit/chamber/chambers.hpp"
+#include "tests/unit/team_of_threads.hpp"
 
 namespace umov::chamber {
 namespace {
@@ -33,7 +35,7 @@ Mean seen(const Tracer& tracer, const Vec3& origin, const Vec3& direction, int p
     squares += l * l;
   }
   const double mean = sum / paths;
-  return {mean, std::sqrt((squares / paths - mean * mean) / (paths - 1.0))};
+  return {mean, std::sqrt(std::max(0.0, squares / paths - mean * mean) / (paths - 1.0))};
 }
 
 // A small source on the wall lights all of it alike; so does every other spot of the wall.
@@ -307,7 +309,30 @@ TEST(Distribution, FewRaysComeFromAllSources) {
   EXPECT_NEAR(d.out_lm, 2.0, 1e-9);
 }
 
-TEST(Map, DoesNotDependOnThreads) {
+TEST(Distribution, DoesNotDependOnThreadsAndRanks) {
+  const PaperChamber chamber(matt(0.984), 1.0, {0.0, PaperChamber::height},
+                             {0.0, PaperChamber::radius});
+  const Tracer tracer(chamber.luminaire);
+  DistributionRequest request{.rays = 20'000, .planes = 8, .angles = 19};
+  request.threads = 1;
+  const Distribution one = intensity_distribution(tracer, request);
+  request.threads = 3;
+  EXPECT_EQ(intensity_distribution(tracer, request).intensity_cd, one.intensity_cd);
+  for (const std::size_t ranks : {2u, 3u, 70u}) {  // there are 64 blocks
+    as_team(ranks, [&](const TeamOfThreads& member) {
+      DistributionRequest own = request;
+      own.threads = 1;
+      own.team = &member;
+      const Distribution d = intensity_distribution(tracer, own);
+      EXPECT_EQ(d.intensity_cd, one.intensity_cd) << member.rank() << " of " << ranks;
+      EXPECT_EQ(d.intensity_se, one.intensity_se);
+      EXPECT_EQ(d.fate.numbers(), one.fate.numbers());
+      EXPECT_EQ(d.out_se, one.out_se);
+    });
+  }
+}
+
+TEST(Map, DoesNotDependOnThreadsAndRanks) {
   const PaperChamber chamber(matt(0.984), 1.0, {0.0, PaperChamber::height},
                              {0.0, PaperChamber::radius});
   const Tracer tracer(chamber.luminaire);
@@ -324,6 +349,17 @@ TEST(Map, DoesNotDependOnThreads) {
   const Map three = luminance_map(tracer, camera, request);
   EXPECT_EQ(one.luminance_cd_m2, three.luminance_cd_m2);
   EXPECT_EQ(one.luminance_se, three.luminance_se);
+  for (const std::size_t ranks : {2u, 3u, 4u}) {
+    as_team(ranks, [&](const TeamOfThreads& member) {
+      MapRequest own = request;
+      own.threads = 1;
+      own.team = &member;
+      const Map map = luminance_map(tracer, camera, own);
+      EXPECT_EQ(map.luminance_cd_m2, one.luminance_cd_m2) << member.rank() << " of " << ranks;
+      EXPECT_EQ(map.luminance_se, one.luminance_se);
+      EXPECT_EQ(map.work.rays, one.work.rays);
+    });
+  }
   request.seed = 2;
   EXPECT_NE(one.luminance_cd_m2, luminance_map(tracer, camera, request).luminance_cd_m2);
 }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "host/chamber/scene_file.hpp"
+#include "host/optics/angles.hpp"
 #include "tests/unit/failure.hpp"
 
 namespace umov::chamber {
@@ -81,6 +82,45 @@ TEST(SceneFile, BadNumbersAreRefusedWithLineAndRemedy) {
             std::string::npos);
   EXPECT_NE(refusal(chamber).find("nothing is to be measured"), std::string::npos);
   EXPECT_NE(refusal(gonio).find("there is nothing in it"), std::string::npos);
+}
+
+TEST(SceneFile, BandsGiveSourcesAndWallsTheirSpectra) {
+  std::string text =
+      chamber + gonio + "[bands]\nwavelength_nm = { from = 400, to = 700, step = 50 }\n";
+  text.replace(text.find("rho = 0.984"), 11,
+               "rho = { wavelength_nm = [400, 600, 700], value = [0.2, 0.8, 0.8] }");
+  text.replace(text.find("edge ="), 6,
+               "spectrum = { wavelength_nm = [400, 700], value = [0, 3] }\nedge =");
+  const Job job = job_from_toml(text, "scene.toml");
+  const Luminaire& l = job.luminaire;
+  ASSERT_TRUE(l.bands.has_value());
+  ASSERT_EQ(l.bands->size(), 7U);
+  std::vector<double> f(7);
+  l.surfaces[l.scene.tubes.front().material]->values(Vec3(0, 0, 1), Vec3(0, 0, 1), f);
+  EXPECT_NEAR(optics::pi * f[1], 0.35, 1e-12);
+  EXPECT_NEAR(optics::pi * f[6], 0.8, 1e-12);
+  for (const Emitter& e : l.emitters) {
+    EXPECT_NEAR(l.bands->luminous(e.spectrum), 1.0, 1e-12);
+    EXPECT_NEAR(e.spectrum[4] / e.spectrum[3], 200.0 / 150.0, 0.1);  // means by V, not points
+  }
+  const Distribution d = intensity_distribution(Tracer(l), *job.distribution);
+  EXPECT_GT(d.out_lm, 1.0);
+  EXPECT_NEAR(l.bands->luminous(d.fate.spectrum_out), d.out_lm, 1e-9);
+
+  EXPECT_NE(refusal(chamber + gonio + "[bands]\nwavelength_nm = [500, 400]\n").find("rising order"),
+            std::string::npos);
+  std::string lone = chamber + gonio;
+  lone.replace(lone.find("edge ="), 6, "spectrum = 1\nedge =");
+  EXPECT_NE(
+      refusal(lone).find("scene.toml:13: source[0].spectrum is given, but the scene has no bands"),
+      std::string::npos)
+      << refusal(lone);
+  std::string bright = text;
+  bright.replace(bright.find("0.8, 0.8"), 8, "0.8, 1.8");
+  EXPECT_NE(refusal(bright).find("scene.toml:4"), std::string::npos) << refusal(bright);
+  std::string unlit = text;
+  unlit.replace(unlit.find("value = [0, 3]"), 14, "value = [0, 0]");
+  EXPECT_NE(refusal(unlit).find("no light in the bands"), std::string::npos) << refusal(unlit);
 }
 
 TEST(SceneFile, GlareIsOfTheObserverWhoTakesTheMap) {
@@ -170,6 +210,40 @@ TEST_F(SceneFolder, SourcesShineAsTheirPhotometricFilesSay) {
   EXPECT_NEAR(d.intensity(0, 5), 75.0, 3.0 * d.intensity_se[5] + 0.1);
   EXPECT_EQ(d.intensity(0, 25), 0.0);
   EXPECT_NEAR(d.out_lm / d.source_lm, 1.0, 0.01);
+}
+
+TEST(SceneFile, ALuminaireIsBuiltWithDeparturesFromItsDescription) {
+  const std::string loose =
+      "[[source]]\nkind = \"rectangle\"\ncentre_mm = [0, 0, 5]\nedge_u_mm = [2, 0, 0]\n"
+      "edge_v_mm = [0, 2, 0]\nflux_lm = 3\n";
+  Departure d;
+  d.shift_x_mm = 0.3;
+  d.ring_mm = 0.4;
+  d.depth_mm = -0.25;
+  d.edge_rho = 0.2;
+  d.view_deg = 1.5;
+  d.excess = {0.0, 0.1, 0.0, 0.0, -1.0};
+  const Job as_said = job_from_toml(chamber + loose + camera, "scene.toml");
+  const Job job = job_from_toml(chamber + loose + camera, "scene.toml", d);
+  EXPECT_TRUE(as_said.rings);
+  EXPECT_EQ(as_said.least_depth_mm, 1.0);
+  EXPECT_NEAR(job.luminaire.emitters[0].centre.x, 6.6 + 0.4 + 0.3, 1e-12);
+  EXPECT_NEAR(job.luminaire.emitters[0].centre.z, -0.75, 1e-12);
+  EXPECT_NEAR(job.luminaire.emitters[1].flux_lm, 0.96 * 1.1, 1e-12);
+  EXPECT_EQ(job.luminaire.emitters[4].flux_lm, 0.0);
+  EXPECT_EQ(job.luminaire.emitters[4].centre.x, 0.3);
+  EXPECT_EQ(job.camera->view_deg, 56.5);
+  // The hole moves with its source.
+  EXPECT_NEAR(job.luminaire.scene.plates.back().holes[0].x, 7.3, 1e-12);
+  double edge = 0.0;
+  for (const auto& surface : job.luminaire.surfaces)
+    if (surface->name() == "edge") edge = surface->reflectance(45.0);
+  EXPECT_EQ(edge, 0.2);
+  d.ring_mm = 20.0;
+  EXPECT_NE(failure_of([&] {
+              job_from_toml(chamber + camera, "scene.toml", d);
+            }).find("puts a hole over the edge"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -19,6 +19,7 @@ Photometry lamp() {
   Photometry p;
   p.maker = "nobody";
   p.name = "test lamp";
+  p.report = "no. 7";
   p.lamp_lm = 4.0;
   p.length_mm = 43.0;
   for (int c = 0; c < 8; ++c) p.c_deg.push_back(45.0 * c);
@@ -51,6 +52,7 @@ TEST(Photometry, BothFormatsBringBackWhatTheyWereGiven) {
     for (std::size_t i = 0; i < p.candela.size(); ++i)
       EXPECT_NEAR(back.candela[i], p.candela[i], 1e-6);
     EXPECT_EQ(back.name, "test lamp");
+    EXPECT_EQ(back.report, "no. 7");
     EXPECT_NEAR(back.lamp_lm, 4.0, 1e-9);
     EXPECT_NEAR(back.length_mm, 43.0, 1e-9);
     EXPECT_EQ(back.width_mm, 0.0);
@@ -84,6 +86,39 @@ TEST(Photometry, BadFilesAreRefusedWithPlaceAndRemedy) {
             std::string::npos);
   EXPECT_NE(says("TILT=INCLUDE\n").find("TILT=NONE"), std::string::npos);
   EXPECT_NE(says("a\n1\n9\n").find("symmetry"), std::string::npos);
+}
+
+TEST(Photometry, NumbersOfNoLuminaireAreRefused) {
+  const auto says = [](const std::string& text) {
+    return failure_of([&] { parse_photometry(text, "x.ies"); });
+  };
+  const std::string head = "IESNA:LM-63-2002\nTILT=NONE\n";
+  // Products that overflow, too.
+  EXPECT_NE(says(head + "1 100 1e300 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n5 1e300\n").find("candela"),
+            std::string::npos);
+  EXPECT_NE(says(head + "1e200 1e200 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n5 1\n").find("lumens"),
+            std::string::npos);
+  EXPECT_NE(says(head + "1 100 1 2 1 1 2 1e300 0 0\n1 1 10\n0 90\n0\n5 1\n").find("width"),
+            std::string::npos);
+}
+
+TEST(Photometry, EulumdatRefusesWhatItCannotHold) {
+  Photometry p = lamp();
+  p.gamma_deg = {0.0};
+  p.candela.assign(p.c_deg.size(), 1.0);
+  EXPECT_NE(failure_of([&] { eulumdat_text(p); }).find("8 planes of 1 angles"), std::string::npos);
+  EXPECT_TRUE(looks_like_photometry(eulumdat_text(lamp())));
+  EXPECT_TRUE(looks_like_photometry(ies_text(lamp())));
+  EXPECT_FALSE(looks_like_photometry("plane,theta_i_deg\n1\n2\n"));
+}
+
+// Angles that differ in their eighth digit stay apart.
+TEST(Photometry, AnglesComeBackBitByBit) {
+  Photometry p = lamp();
+  p.gamma_deg[1] = 5.0000001;
+  p.gamma_deg[2] = 5.0000002;
+  for (const std::string& text : {ies_text(p), eulumdat_text(p)})
+    EXPECT_EQ(parse_photometry(text, "lamp").gamma_deg, p.gamma_deg);
 }
 
 // Files of manufacturers; their own statements of flux.

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <memory>
 
+#include "host/chamber/figures.hpp"
+#include "host/chamber/mixing_chamber.hpp"
 #include "host/chamber/synthetic_mcpet.hpp"
 #include "host/gap/chamber/chamber_model.hpp"
 #include "host/gap/engine/diagnosis.hpp"
@@ -26,19 +28,19 @@ std::shared_ptr<const Surface> plastic() {
 
 MapOptions coarse() {
   MapOptions options;
-  options.coarser = 8;
+  options.joined = 8;
   options.rays_per_pixel = 2000;
   options.rays_per_signature = 600;
   return options;
 }
 
-Map measured(const MixingChamber& c, std::uint64_t seed) {
-  const chamber::Luminaire luminaire = c.luminaire();
-  const chamber::Tracer tracer(luminaire);
+Map measured(const MixingChamber& c, std::uint64_t seed, const chamber::Departure& departure = {}) {
+  const chamber::View view = c.described().view(departure);
+  const chamber::Tracer tracer(view.luminaire);
   chamber::MapRequest request;
-  request.rays_per_pixel = 2000;
+  request.rays_per_pixel = 2000 / 64;
   request.seed = seed;
-  return chamber::luminance_map(tracer, c.camera(coarse().coarser), request);
+  return chamber::joined(chamber::luminance_map(tracer, view.camera, request), coarse().joined);
 }
 
 TEST(ChamberModel, AMattSimulationOfAPlasticLacksItsLobe) {
@@ -46,7 +48,7 @@ TEST(ChamberModel, AMattSimulationOfAPlasticLacksItsLobe) {
   simulated.wall =
       std::make_shared<const Surface>("matt", chamber::Lambertian{chamber::mcpet_total});
   const auto signatures =
-      std::make_shared<const MapSignatures>(map_signatures(simulated, coarse()));
+      std::make_shared<const MapSignatures>(map_signatures(simulated.described(), coarse()));
   MixingChamber real = simulated;
   real.wall = plastic();
   const ChamberModel model(signatures, measured(real, 99));
@@ -67,6 +69,23 @@ TEST(ChamberModel, AMattSimulationOfAPlasticLacksItsLobe) {
   // And a simulation that has nothing wrong is not blamed for anything.
   const ChamberModel same(signatures, measured(simulated, 98));
   EXPECT_TRUE(diagnose(same, how).causes.empty());
+
+  // Light adds up: sources however unequal are what their signatures say.
+  const auto exitance =
+      std::find_if(signatures->effects.begin(), signatures->effects.end(),
+                   [](const MapEffect& e) { return e.effect.name == "source_exitance"; });
+  ASSERT_NE(exitance, signatures->effects.end());
+  chamber::Departure unequal;
+  unequal.excess = {0.6, 0.0, -0.6, 0.0};
+  const ChamberModel seen(signatures, measured(simulated, 97, unequal));
+  const Eigen::VectorXd foretold =
+      signatures->mean + exitance->columns * Eigen::Vector3d(0.0, -0.6, 0.0);
+  const auto misfit = [&](const Eigen::VectorXd& map) {
+    return (seen.observations().value - map).cwiseQuotient(seen.noise(map).sigma).squaredNorm() /
+           static_cast<double>(map.size());
+  };
+  EXPECT_LT(misfit(foretold), 1.6);
+  EXPECT_GT(misfit(signatures->mean), 5.0);
 
   Map small = measured(simulated, 98);
   small.width = 3;

@@ -3,13 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include <barrier>
 #include <cmath>
 #include <numeric>
-#include <thread>
 
 #include "host/brdf/evaluate.hpp"
 #include "host/errors/error.hpp"
+#include "tests/unit/team_of_threads.hpp"
 #include "tests/unit/trace/over_cell.hpp"
 #include "tests/unit/trace/scenes.hpp"
 
@@ -151,33 +150,6 @@ TEST(Simulation, ErrorsCoverTheTruthOfAWhiteGround) {
   EXPECT_NEAR(chi2 / n, 1.0, 0.25);
 }
 
-// Ranks as threads of this process.
-class Threads : public Team {
- public:
-  struct Meeting {
-    explicit Meeting(std::size_t count)
-        : arrive(static_cast<std::ptrdiff_t>(count)), own(count), size(count) {}
-    std::barrier<> arrive;
-    std::vector<std::vector<double>> own;
-    std::size_t size;
-  };
-  Threads(Meeting& meeting, std::size_t rank) : meeting_(meeting), rank_(rank) {}
-  std::size_t rank() const override { return rank_; }
-  std::size_t size() const override { return meeting_.size; }
-  std::vector<double> gather(const std::vector<double>& own) override {
-    meeting_.own[rank_] = own;
-    meeting_.arrive.arrive_and_wait();
-    std::vector<double> all;
-    for (const auto& part : meeting_.own) all.insert(all.end(), part.begin(), part.end());
-    meeting_.arrive.arrive_and_wait();
-    return all;
-  }
-
- private:
-  Meeting& meeting_;
-  std::size_t rank_;
-};
-
 TEST(Simulation, IsTheSameToTheLastBitForAnyNumberOfRanks) {
   const Scene scene = mixture();
   const Geometry geometry(scene);
@@ -191,36 +163,22 @@ TEST(Simulation, IsTheSameToTheLastBitForAnyNumberOfRanks) {
   request.emissivity = true;
   const std::vector<double> alone = simulate(tracer, hemisphere, request).state();
   for (const std::size_t ranks : {2u, 3u, 4u, 17u}) {
-    Threads::Meeting meeting(ranks);
     std::vector<std::vector<double>> states(ranks);
-    {
-      std::vector<std::jthread> team;
-      for (std::size_t rank = 0; rank < ranks; ++rank) {
-        team.emplace_back([&, rank] {
-          Threads member(meeting, rank);
-          Request own = request;
-          own.team = &member;
-          states[rank] = simulate(tracer, hemisphere, own).state();
-        });
-      }
-    }
+    as_team(ranks, [&](const TeamOfThreads& member) {
+      Request own = request;
+      own.team = &member;
+      states[member.rank()] = simulate(tracer, hemisphere, own).state();
+    });
     for (const auto& state : states) EXPECT_EQ(state, alone) << ranks << " ranks";
   }
   // One rank that is asked to stop ends the run of all, after the same blocks.
-  Threads::Meeting meeting(2);
   std::vector<std::uint64_t> samples(2);
-  {
-    std::vector<std::jthread> team;
-    for (std::size_t rank = 0; rank < 2; ++rank) {
-      team.emplace_back([&, rank] {
-        Threads member(meeting, rank);
-        Request own = request;
-        own.team = &member;
-        own.stop = [rank] { return rank == 1; };
-        samples[rank] = simulate(tracer, hemisphere, own).samples();
-      });
-    }
-  }
+  as_team(2, [&](const TeamOfThreads& member) {
+    Request own = request;
+    own.team = &member;
+    own.stop = [&member] { return member.rank() == 1; };
+    samples[member.rank()] = simulate(tracer, hemisphere, own).samples();
+  });
   EXPECT_EQ(samples[0], 4000u);
   EXPECT_EQ(samples[1], 4000u);
 }
