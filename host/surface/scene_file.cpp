@@ -296,7 +296,9 @@ class Reader {
       Layer& layer = surface.layers[l];
       const auto first = placed.begin() + static_cast<std::ptrdiff_t>(next);
       layer.coverage =
-          covered_share({first, first + static_cast<std::ptrdiff_t>(layer.count)}, period_);
+          reading_.like != nullptr
+              ? reading_.like->layers[l].coverage
+              : covered_share({first, first + static_cast<std::ptrdiff_t>(layer.count)}, period_);
       const double cosine = std::cos(contact_[l]);
       for (const std::size_t end = next + layer.count; next < end; ++next) {
         // The disc is what is seen from above: the whole sphere from 90° on, else the cap's base.
@@ -313,7 +315,9 @@ class Reader {
         surface.scene.spheres.push_back(sphere);
       }
     }
-    surface.covered = placed.empty() ? 0.0 : covered_share(placed, period_);
+    surface.covered = reading_.like != nullptr ? reading_.like->covered
+                      : placed.empty()         ? 0.0
+                                               : covered_share(placed, period_);
   }
 
   void read_film(Surface& surface) {

@@ -68,8 +68,8 @@ struct Reading {
   Part part = Part::whole;
   std::size_t layer = 0;        ///< of Part::contaminant, particles first
   double coverage_scale = 1.0;  ///< of every layer
-  /// Of the same text and part, with another seed: its materials and media are taken over, not
-  /// prepared again.
+  /// Of the same text and part, with another seed: its materials, media and measured coverages
+  /// are taken over, not made again.
   const Surface* like = nullptr;
 };
 
