@@ -60,6 +60,7 @@ class SimulateSurface(UmovCase):
             return json.loads(text)["bands"]
 
         self.assertEqual(dhr("--threads", 1), dhr("--threads", 3))
+        self.assertNotEqual(dhr(), dhr("--lay-samples", 0))
         self.assertNotEqual(dhr("--seed", 1), dhr("--seed", 2))
 
     def test_the_example_runs_and_its_hemisphere_can_be_exported(self):
@@ -97,6 +98,57 @@ class SimulateSurface(UmovCase):
         whole = json.loads(self.must(*command, "--samples", more).stdout)
         self.assertEqual(resumed["bands"], whole["bands"])
         self.assertEqual(resumed["rays"], whole["rays"])
+
+    def test_an_interrupted_mixture_goes_on_to_the_same_file(self):
+        scene = self.scene(PAINT + SOIL)
+
+        def command(output):
+            return ["simulate", "surface", scene, "--mixture", "--coverage-factors", "0.5,1", "--theta-i", "0,60", "--samples", 4e5,
+                    "-o", output, "--quiet"]
+
+        self.must(*command("whole.json"))
+        running = subprocess.Popen([UMOV, *map(str, command("parts.json"))], cwd=self.folder, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
+        time.sleep(1.5)
+        stops = 0
+        while running.poll() is None:
+            running.send_signal(signal.SIGINT)
+            _, complaint = running.communicate(timeout=60)
+            if running.returncode == 0:
+                break
+            self.assertEqual(running.returncode, 130, complaint)
+            self.assertIn("--resume", complaint)
+            self.assertTrue((self.folder / "parts.json.state").exists())
+            stops += 1
+            running = subprocess.Popen([UMOV, *map(str, command("parts.json")), "--resume"], cwd=self.folder, stdout=subprocess.PIPE,
+                                       stderr=subprocess.PIPE, text=True)
+            time.sleep(1.5)
+        self.assertGreater(stops, 0)
+        self.assertFalse((self.folder / "parts.json.state").exists())
+        whole, parts = (json.loads((self.folder / name).read_text(encoding="utf-8")) for name in ("whole.json", "parts.json"))
+        self.assertEqual(whole["angles"], parts["angles"])
+
+    def test_a_run_stops_by_its_cells(self):
+        scene = self.scene(PAINT + SOIL)
+
+        def errors(output, *options):
+            said = json.loads(self.must("simulate", "surface", scene, "--rings", 6, "--strip", 0, "-o", output, "--json", "--quiet",
+                                        *options).stdout)
+            self.assertGreaterEqual(said["lays"], 64)
+            with h5py.File(self.folder / output) as file:
+                f = file["hemisphere/mueller"][:, :, 0]
+                u = file["hemisphere/mueller_se"][:, :, 0]
+                self.assertEqual(file["hemisphere"].attrs["lays"], said["lays"])
+            return said["samples"], (u / f).max(axis=1)
+
+        samples, relative = errors("median.h5", "--cell-error", 1.5, "--lay-samples", 500)
+        self.assertGreaterEqual((relative < 0.015).mean(), 0.5)
+        more, relative = errors("most.h5", "--cell-error", 1.5, "--cell-percentile", 90, "--lay-samples", 500)
+        self.assertGreaterEqual((relative < 0.015).mean(), 0.9)
+        self.assertGreater(more, samples)
+        self.refused("simulate", "surface", scene, "--cell-percentile", 90, says=("--cell-error",))
+        self.refused("simulate", "surface", scene, "--cell-error", 1, "--cell", "95,0", says=("95",))
+        self.refused("simulate", "surface", self.scene(PAINT + "[stop]\ncell_deg = [30, 0]\n"), says=("scene.toml:8", "cell_relative_error"))
 
     def test_a_run_does_not_go_on_with_another_spectrum(self):
         spectrum = self.folder / "paint.csv"
