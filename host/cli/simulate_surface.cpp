@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -15,10 +17,12 @@
 #include "host/cli/simulate_mixture.hpp"
 #include "host/cli/surface_run.hpp"
 #include "host/errors/error.hpp"
+#include "host/formats/atomic_file.hpp"
 #include "host/formats/brdf_h5.hpp"
 #include "host/formats/table_file.hpp"
 #include "host/optics/angles.hpp"
 #include "host/surface/brdf_export.hpp"
+#include "host/surface/hemisphere_picture.hpp"
 #include "host/surface/hemisphere_table.hpp"
 #include "host/surface/lays.hpp"
 #include "host/surface/radiance.hpp"
@@ -33,7 +37,9 @@ using surface::Directions;
 struct Options : SurfaceOptions {
   Directions directions = Directions::both;
   bool mixture = false;
-  std::string table;
+  std::string table, exr, png;
+  std::optional<double> png_nm;  // else the wavelength in the middle
+  std::string png_element = "m00";
   std::vector<double> coverage_factors{0.2, 0.4, 0.6, 0.8, 1.0};
 };
 
@@ -209,19 +215,58 @@ void write_as_table(const Options& options, const Common& common, const surface:
   formats::write_table(options.table, csv ? "table-csv" : "table", table, writing);
 }
 
+// The wavelength that the picture is of.
+std::size_t pictured(const Options& options, const surface::Surface& described) {
+  const std::vector<double>& um = described.scene.wavelengths_um;
+  if (!options.png_nm) return um.size() / 2;
+  const auto found = std::find_if(
+      um.begin(), um.end(), [&](double w) { return std::abs(1e3 * w - *options.png_nm) < 0.5; });
+  if (found == um.end()) {
+    throw Error(fmt::format("a picture at {:g} nm, which is not simulated", *options.png_nm),
+                "choose a wavelength of the scene with --png-nm");
+  }
+  return static_cast<std::size_t>(found - um.begin());
+}
+
+// One picture an angle: where there are several, each with its angle in the name.
+void write_pictures(const Options& options, std::size_t wavelength,
+                    const surface::Surface& described, const std::vector<double>& theta,
+                    const std::vector<trace::Result>& results) {
+  const std::vector<double>& um = described.scene.wavelengths_um;
+  if (!options.exr.empty()) surface::write_hemisphere_exr(options.exr, {results, theta, um});
+  if (options.png.empty()) return;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    std::filesystem::path file = options.png;
+    if (theta.size() > 1) {
+      file.replace_filename(
+          fmt::format("{}-{:g}deg{}", file.stem().string(), theta[i], file.extension().string()));
+    }
+    formats::replace_file(
+        file, surface::hemisphere_png(results[i], theta[i], um[wavelength], wavelength,
+                                      options.png_element[1] - '0', options.png_element[2] - '0'));
+  }
+}
+
 void run(const Options& options, const Common& common) {
-  if (!options.table.empty()) require_product_output({options.scene}, options.table);
-  if (!options.output.empty()) require_product_output({options.scene}, options.output);
+  for (const std::string& file : {options.table, options.output, options.exr, options.png}) {
+    if (!file.empty()) require_product_output({options.scene}, file);
+  }
   const Ranks ranks;
+  if (options.mixture && !(options.table + options.exr + options.png).empty()) {
+    throw Error("--mixture writes neither tables nor pictures",
+                "leave --table, --exr and --png out, or simulate without --mixture");
+  }
   if (options.mixture) return run_mixture(options, options.coverage_factors, common, ranks);
   const surface::Lays lays(surface::reader_of(options.scene), {.seed = common.seed});
   const surface::Surface& described = lays.first();
   SurfaceRun work(options, common, ranks);
+  const std::size_t in_picture = pictured(options, described);
   const std::vector<double> theta = work.angles(described);
   catch_interrupts();
   const std::vector<trace::Result> results = work.simulate(lays);
   if (!work.first_rank()) return;
   if (!options.output.empty()) write(options, common, work, described, theta, results);
+  write_pictures(options, in_picture, described, theta, results);
   if (!options.table.empty() && !work.interrupted()) {
     write_as_table(options, common, described, theta, results);
   }
@@ -301,6 +346,20 @@ void add_simulate_surface(CLI::App& simulate, const Common& common) {
   command->add_option("--table", options->table,
                       "also write the BRDF as a table over all angles of incidence: .csv for the "
                       "emulated instrument (umov emulator --sample FILE.csv), else table.h5");
+  command->add_option("--exr", options->exr,
+                      "the hemispheres as polar maps in OpenEXR: a channel for each angle, "
+                      "wavelength and Mueller element");
+  command->add_option("--png", options->png,
+                      "a polar map with its scale; of several angles one each, FILE-20deg.png");
+  command->add_option("--png-nm", options->png_nm,
+                      "--png: wavelength; the one in the middle unless said otherwise");
+  std::vector<std::string> elements;
+  for (int e = 0; e < 16; ++e) elements.push_back(fmt::format("m{}{}", e / 4, e % 4));
+  command
+      ->add_option("--png-element", options->png_element,
+                   "--png: m00, or another Mueller element as its share of m00")
+      ->check(CLI::IsMember(elements))
+      ->capture_default_str();
   command->add_flag("--mixture", options->mixture,
                     "linear mixing of the materials by area beside the simulation, at several "
                     "coverages; -o is then a JSON file");

@@ -218,6 +218,13 @@ class SimulateSurface(UmovCase):
         self.assertGreater(near(-60), 1.2 * near(60))
         self.assertAlmostEqual(by_angle[-60] / by_angle[60], near(-60) / near(60), delta=0.2)
 
+    def test_hemispheres_are_drawn_one_picture_an_angle(self):
+        self.must("simulate", "surface", self.scene(PAINT), "--theta-i", "0,60", "--samples", 1e5, "--exr", "paint.exr", "--png", "paint.png",
+                  "--png-nm", 700, "--png-element", "m10", "--quiet")
+        self.assertEqual((self.folder / "paint.exr").read_bytes()[:4], b"\x76\x2f\x31\x01")
+        for angle in (0, 60):
+            self.assertEqual((self.folder / f"paint-{angle}deg.png").read_bytes()[:4], b"\x89PNG")
+
     def test_a_warm_paint_shines_by_itself(self):
         text = PAINT.replace("[0.5, 0.7]", "[3.0, 5.0]") + "[emission]\ntemperature_k = 300\nsky_temperature_k = 300\n"
         said = json.loads(self.must("simulate", "surface", self.scene(text), "--samples", 1e5, "--json", "--quiet").stdout)
@@ -231,6 +238,8 @@ class SimulateSurface(UmovCase):
         crowded = self.scene(PAINT + SOIL.replace("0.3", "0.9"))
         self.refused("simulate", "surface", crowded, says=("find no more room",))
         self.refused("simulate", "surface", self.scene(PAINT), "--theta-i", 90, says=("90",))
+        self.refused("simulate", "surface", self.scene(PAINT), "--png", "p.png", "--png-nm", 600, says=("600", "--png-nm"))
+        self.refused("simulate", "surface", self.scene(PAINT + SOIL), "--mixture", "--exr", "m.exr", says=("--exr",))
         self.refused("simulate", "surface", self.scene(PAINT + "gloss = 1\n"), says=("scene.toml:7", "gloss"))
 
 

@@ -83,6 +83,16 @@ class Bench {
     return {reader(more), reading};
   }
 
+  /// Can the scene be as these lines say too? It is known to be right without them.
+  bool takes(const std::string& more) const {
+    try {
+      reader(more)({.seed = options_.seed});
+      return true;
+    } catch (const Error&) {
+      return false;
+    }
+  }
+
   // Means over lays: how the particles of the measurement lay is not known.
   Result simulate(const surface::Lays& lays, double theta_i_deg,
                   std::uint32_t most_meetings) const {
@@ -197,6 +207,8 @@ SurfaceModel::SurfaceModel(const formats::BrdfTable& measurement, const std::str
   for (const trace::Sphere& s : whole.scene.spheres) radius = std::min(radius, s.radius);
   const std::string film = fmt::format("\n[film]\nthickness_um = {}\n", film_thickness * radius);
 
+  const bool wettable = !whole.film && bench.takes(film);
+
   const auto count = static_cast<Eigen::Index>(directions.size());
   const auto columns = static_cast<Eigen::Index>(factors_.size());
   enum { shadowing, bounces, water, contaminant_albedo, ground_albedo, lobe, effect_count };
@@ -223,7 +235,7 @@ SurfaceModel::SurfaceModel(const formats::BrdfTable& measurement, const std::str
       const surface::Lays described = bench.lays(reading);
       const Result once = bench.simulate(described, theta, 1);
       const Result often = bench.simulate(described, theta, 0);
-      const Result wet = whole.film ? often : bench.simulate(bench.lays(reading, film), theta, 0);
+      const Result wet = !wettable ? often : bench.simulate(bench.lays(reading, film), theta, 0);
       std::vector<trace::Estimate> shares;
       if (particles) shares = bench.hidden(reading, theta);
       for (const Eigen::Index i : members) {
@@ -322,7 +334,7 @@ SurfaceModel::SurfaceModel(const formats::BrdfTable& measurement, const std::str
   std::vector<Series> kept;
   for (std::size_t k = 0; k < all.size(); ++k) {
     const bool needless =
-        (!particles && (k == shadowing || k == contaminant_albedo)) || (whole.film && k == water);
+        (!particles && (k == shadowing || k == contaminant_albedo)) || (!wettable && k == water);
     const double size = (templates_[k].col(0).array() / sigma_.array()).matrix().norm();
     if (needless || !(size > 1e-6)) continue;
     effects_.push_back(all[k]);
