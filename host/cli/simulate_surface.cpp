@@ -326,7 +326,7 @@ void add_simulate_surface(CLI::App& simulate, const Common& common) {
   command->add_option(
       "--lay-samples", options->lay_samples,
       "launches after which particles and rough ground are laid anew, so that errors hold where "
-      "they lie too; 0: one lay, errors of rays alone; unless said otherwise 8192 or more, fewer "
+      "they lie too; 0: one lay, errors of rays alone; unless said otherwise 4096 or more, fewer "
       "in short runs, 0 where laying takes longer than tracing");
   command->add_flag("--resume", options->resume,
                     "go on where Ctrl-C or a crash ended a run to the same output");

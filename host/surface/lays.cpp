@@ -8,12 +8,14 @@
 namespace umov::surface {
 namespace {
 
-// Launches that take several times as long as laying a thousand particles does.
-constexpr std::uint64_t preset_launches = 8192;
+// Launches that take several times as long as laying a thousand particles that are not crowded.
+constexpr std::uint64_t preset_launches = 4096;
 // The scatter of fewer says little.
 constexpr std::uint64_t fewest_lays = 16;
-// Faces that are laid and built in the time of one launch.
-constexpr std::uint64_t faces_a_launch = 6;
+// Steps of laying that take as long as a launch.
+constexpr std::uint64_t steps_a_launch = 10;
+// Share of the time of tracing that laying may take, where there are launches enough.
+constexpr double laying_share = 0.25;
 
 }  // namespace
 
@@ -35,12 +37,11 @@ std::uint64_t lay_seed(std::uint64_t seed, std::uint64_t number) {
 
 std::uint64_t launches_a_lay(const Surface& surface, std::uint64_t samples) {
   if (!surface.random) return 0;
-  std::uint64_t faces = surface.scene.spheres.size();
-  for (const trace::Triangles& mesh : surface.scene.meshes) faces += mesh.faces.size();
-  const std::uint64_t laying = faces / faces_a_launch;
+  const std::uint64_t laying = surface.steps / steps_a_launch;  // in launches
   if (fewest_lays * laying > samples) return 0;
   const std::uint64_t few = (samples + fewest_lays - 1) / fewest_lays;
-  return std::min(few, std::max(preset_launches, laying));
+  const auto enough = static_cast<std::uint64_t>(static_cast<double>(laying) / laying_share);
+  return std::min(few, std::max(preset_launches, enough));
 }
 
 Lays::Lay::Lay(Surface described)

@@ -91,6 +91,8 @@ class Reader {
                                  "leave the material out, or use it");
       }
     }
+    surface.steps += surface.scene.spheres.size();
+    for (const trace::Triangles& mesh : surface.scene.meshes) surface.steps += mesh.faces.size();
     surface.scene.check();
     return surface;
   }
@@ -280,7 +282,7 @@ class Reader {
 
     const std::size_t before = placed.size();
     try {
-      lay(placed, laying, period_, reading_.seed + 1 + surface.layers.size());
+      surface.steps += lay(placed, laying, period_, reading_.seed + 1 + surface.layers.size());
     } catch (const Error& e) {
       table.fail("coverage", "cannot be laid: " + e.problem(), e.remedy());
     }

@@ -51,8 +51,9 @@ struct Surface {
   trace::MaterialId ground = 0;     ///< of the substrate
   std::optional<Emission> emission;
   Stop stop;
-  bool film = false;    ///< there is one
-  bool random = false;  ///< another seed would lay it otherwise
+  bool film = false;        ///< there is one
+  bool random = false;      ///< another seed would lay it otherwise
+  std::uint64_t steps = 0;  ///< that laying and building it takes, of some .2 µs
 };
 
 /// Which part of what a file describes.

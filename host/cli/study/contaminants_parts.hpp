@@ -13,7 +13,7 @@ namespace umov::study {
 /// Launches of a simulation unless said otherwise.
 inline constexpr std::uint64_t launches = 1u << 20;
 /// Launches after which particles are laid anew.
-inline constexpr std::uint64_t launches_a_lay = 1u << 13;
+inline constexpr std::uint64_t launches_a_lay = 1u << 14;
 
 /// Simulates the study's surfaces, one after the other, and tells how far it is.
 class SurfaceBench {
