@@ -32,7 +32,7 @@ ordered_json as_json(const surface::MixingLaw& law) {
 ordered_json as_json(const surface::MixtureAngle& angle) {
   ordered_json points = ordered_json::array();
   for (const surface::MixturePoint& p : angle.points) {
-    ordered_json point = {{"coverage", p.coverage}};
+    ordered_json point = {{"coverage", p.coverage}, {"lays", p.lays}};
     put(point, "area_fraction", p.fraction);
     put(point, "effective_fraction", p.effective);
     point["bands"] = ordered_json::array();
@@ -60,7 +60,9 @@ ordered_json as_json(const surface::MixtureAngle& angle) {
 }
 
 void print(const surface::MixtureAngle& angle) {
-  fmt::print("light from {:g}°\n", angle.theta_i_deg);
+  fmt::print("light from {:g}°, {}\n", angle.theta_i_deg,
+             angle.points.front().lays > 1 ? "errors are of lays and rays"
+                                           : "one lay, errors are of rays");
   fmt::print("{:>9} {:>9} {:>20} {:>26} {:>26} {:>10}\n", "coverage", "seen", "effective",
              "largest DHR - mixture", "largest DOP - mixture", "BRDF off");
   for (const surface::MixturePoint& p : angle.points) {

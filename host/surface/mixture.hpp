@@ -5,6 +5,7 @@
 // would give the simulated reflectance.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "host/trace/simulation.hpp"
@@ -35,6 +36,7 @@ struct MixturePoint {
   double coverage;              ///< seen from above
   trace::Estimate fraction;     ///< f, seen along the incident light
   EffectiveFraction effective;  ///< that fits all wavelengths best (least squares)
+  std::uint64_t lays = 1;       ///< behind the errors; 1: these are of rays alone
   std::vector<MixtureBand> bands;
 };
 

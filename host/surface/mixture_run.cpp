@@ -70,6 +70,8 @@ class Analysis {
           mixed(angle.wholes.back(), angle.bare, flat, shares, described.scene.wavelengths_um));
       angle.points.back().theta_i_deg = theta;
       angle.points.back().coverage = described.covered;
+      if (launches_ > 0 && described.random)
+        angle.points.back().lays = angle.wholes.back().blocks();
     }
     fit(angle);
     return angle;

@@ -188,6 +188,7 @@ class SimulateSurface(UmovCase):
                 f = point["area_fraction"]
                 self.assertAlmostEqual(point["bands"][1]["dhr_linear"], f * 0.3355 + (1 - f) * 0.6, delta=1e-6)
                 self.assertGreater(point["effective_fraction_u"], 0)
+                self.assertEqual(point["lays"], 16)
 
     def test_what_mixing_leaves_out_of_a_dirty_paint_is_named(self):
         scene = self.scene(PAINT.replace("period_um = 200", "period_um = 600") + SOIL)

@@ -12,7 +12,7 @@
 #include "host/optics/angles.hpp"
 #include "host/surface/brdf_export.hpp"
 #include "host/surface/scene_file.hpp"
-#include "tests/unit/gap/plain_spheres.hpp"
+#include "tests/unit/surface/plain_spheres.hpp"
 
 namespace umov::gap {
 namespace {
@@ -118,7 +118,7 @@ const std::string grains =
     "[materials.clay]\nmodel = \"lambertian\"\nrho = [0.1, 0.9]\n";
 
 formats::BrdfTable plainly_traced(int most_bounces) {
-  PlainSpheres truth{400.0, 20.0, 0.3, {0.05, 0.5}, {0.1, 0.9}};
+  surface::PlainSpheres truth{400.0, 20.0, 0.3, {0.05, 0.5}, {0.1, 0.9}};
   truth.most_bounces = most_bounces;
   return truth.measured(trace::Hemisphere(rings, 0, 0.0), 40.0, {500.0, 800.0}, 64, 2000, 5);
 }

@@ -9,6 +9,7 @@
 
 #include "host/optics/angles.hpp"
 #include "host/surface/mixture_run.hpp"
+#include "tests/unit/surface/plain_spheres.hpp"
 
 namespace umov::surface {
 namespace {
@@ -162,6 +163,35 @@ TEST(Lays, HaveErrorsThatCoverHowRoughGroundRuns) {
   EXPECT_GT(of_dhr(many).within, 0.86);
   EXPECT_NEAR(of_cells(many).within, 0.93, 0.04);
   EXPECT_GT(of_dhr(runs(rough, 0, 40.0)).chi2, 4.0) << "errors of rays alone are too small";
+}
+
+TEST(Lays, AgreeWithAPlainTracerInEveryCell) {
+  const std::string grains =
+      "[surface]\nwavelengths_um = [0.5, 0.8]\nperiod_um = 400\n"
+      "[substrate]\nmodel = \"lambertian\"\nrho = [0.05, 0.5]\n"
+      "[[particles]]\nmaterial = \"clay\"\nradius_um = 20\ncoverage = 0.3\n"
+      "[materials.clay]\nmodel = \"lambertian\"\nrho = [0.1, 0.9]\n";
+  const Hemisphere cells(5, 0, 0.0);
+  const formats::BrdfTable plain = PlainSpheres{400.0, 20.0, 0.3, {0.05, 0.5}, {0.1, 0.9}}.measured(
+      cells, 60.0, {500.0, 800.0}, 64, 1500, 11);
+  trace::Request request;
+  request.theta_i = radians(60.0);
+  request.samples = 1 << 18;
+  const Result traced = Lays(scene(grains), {}).simulate(cells, request, 4096);
+  ASSERT_EQ(plain.points.size(), 2 * cells.cells());
+  double chi2 = 0.0;
+  double dhr[2] = {0.0, 0.0};
+  for (std::size_t i = 0; i < plain.points.size(); ++i) {
+    const trace::Estimate e = m00(traced.brdf(i / 2, i % 2));
+    const double z =
+        (e.mean - plain.points.brdf_per_sr[i]) / std::hypot(e.error, plain.points.brdf_u[i]);
+    chi2 += z * z / static_cast<double>(plain.points.size());
+    dhr[i % 2] += plain.points.brdf_per_sr[i] * cells.cell(i / 2).projected;
+  }
+  EXPECT_NEAR(chi2, 1.0, 0.5);
+  for (const std::size_t w : {0u, 1u}) {
+    EXPECT_NEAR(m00(traced.hemispherical(w)).mean / dhr[w], 1.0, 0.015) << w;
+  }
 }
 
 TEST(MixtureOfLays, HasALawWhoseErrorCoversWhereParticlesLie) {

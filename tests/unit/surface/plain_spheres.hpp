@@ -13,7 +13,7 @@
 #include "host/formats/scan_table.hpp"
 #include "host/trace/hemisphere.hpp"
 
-namespace umov::gap {
+namespace umov::surface {
 
 struct PlainSpheres {
   double period, radius, coverage;
@@ -151,4 +151,4 @@ struct PlainSpheres {
   }
 };
 
-}  // namespace umov::gap
+}  // namespace umov::surface
