@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
+
+#include "host/formats/picture_scale.hpp"
 
 namespace umov::chamber {
 namespace {
@@ -12,19 +15,9 @@ using formats::Picture;
 
 constexpr Picture::Colour paper{255, 255, 255};
 constexpr Picture::Colour ink{30, 34, 43};
-constexpr std::size_t letter = 2;         // pixels a dot of a letter
-constexpr std::size_t line = 9 * letter;  // height of a line of text
+constexpr std::size_t letter = formats::scale_letter;
+constexpr std::size_t line = formats::scale_line;
 constexpr std::size_t left = 60, right = 150, top = 16, bottom = 60;
-
-/// A step of 1, 2 or 5 times a power of ten that divides `range` in about five.
-double round_step(double range) {
-  const double raw = range / 5.0;
-  const double power = std::pow(10.0, std::floor(std::log10(raw)));
-  for (const double m : {1.0, 2.0, 5.0}) {
-    if (raw <= m * power * 1.0001) return m * power;
-  }
-  return 10.0 * power;
-}
 
 Picture::Colour grey(double share) {
   // The eye's scale: the exponent of sRGB.
@@ -53,7 +46,7 @@ std::string map_png(const Map& map, double largest_cd_m2, std::size_t least_widt
   }
   // Axes in mm of the map.
   const auto axis = [&](double length_mm, bool along_x) {
-    const double step = round_step(length_mm);
+    const double step = formats::round_step(length_mm);
     for (int i = 0; i * step <= length_mm * 1.0001; ++i) {
       const std::string label = fmt::format("{:g}", i * step);
       const auto at = static_cast<std::size_t>(
@@ -73,22 +66,12 @@ std::string map_png(const Map& map, double largest_cd_m2, std::size_t least_widt
   axis(map.pixel_mm * static_cast<double>(map.width), true);
   axis(map.pixel_mm * static_cast<double>(map.height), false);
   picture.text(left + wide / 2, top + size * map.height + 9 + line, "X / Y in mm", letter, ink);
-  // The scale.
-  const std::size_t bar = left + wide + 24;
-  const std::size_t scale_high = high - 2 * line;
-  for (std::size_t y = 0; y < scale_high; ++y) {
-    const double share = 1.0 - static_cast<double>(y) / static_cast<double>(scale_high - 1);
-    picture.fill(bar, top + 2 * line + y, 24, 1, grey(share));
-  }
-  picture.text(bar, top, "cd/m2", letter, ink);
-  const double step = round_step(largest);
+  std::vector<formats::ScaleMark> marks;
+  const double step = formats::round_step(largest);
   for (int i = 0; i * step <= largest * 1.0001; ++i) {
-    const double share = i * step / largest;
-    const auto y =
-        static_cast<std::size_t>(std::lround((1.0 - share) * static_cast<double>(scale_high - 1)));
-    picture.fill(bar + 24, top + 2 * line + y, 6, 1, ink);
-    picture.text(bar + 34, top + 2 * line + y - 7, fmt::format("{:g}", i * step), letter, ink);
+    marks.push_back({i * step / largest, fmt::format("{:g}", i * step)});
   }
+  formats::draw_scale(picture, left + wide + 24, top, high, "cd/m2", marks, grey, ink);
   return formats::png_bytes(picture);
 }
 

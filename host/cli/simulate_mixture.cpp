@@ -1,6 +1,7 @@
 #include "host/cli/simulate_mixture.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -8,7 +9,7 @@
 #include "host/cli/interrupt.hpp"
 #include "host/cli/progress.hpp"
 #include "host/formats/atomic_file.hpp"
-#include "host/surface/mixture.hpp"
+#include "host/surface/mixture_run.hpp"
 
 namespace umov::cli {
 namespace {
@@ -31,7 +32,7 @@ ordered_json as_json(const surface::MixingLaw& law) {
 ordered_json as_json(const surface::MixtureAngle& angle) {
   ordered_json points = ordered_json::array();
   for (const surface::MixturePoint& p : angle.points) {
-    ordered_json point = {{"coverage", p.coverage}};
+    ordered_json point = {{"coverage", p.coverage}, {"lays", p.lays}};
     put(point, "area_fraction", p.fraction);
     put(point, "effective_fraction", p.effective);
     point["bands"] = ordered_json::array();
@@ -59,7 +60,9 @@ ordered_json as_json(const surface::MixtureAngle& angle) {
 }
 
 void print(const surface::MixtureAngle& angle) {
-  fmt::print("light from {:g}°\n", angle.theta_i_deg);
+  fmt::print("light from {:g}°, {}\n", angle.theta_i_deg,
+             angle.points.front().lays > 1 ? "errors are of lays and rays"
+                                           : "one lay, errors are of rays");
   fmt::print("{:>9} {:>9} {:>20} {:>26} {:>26} {:>10}\n", "coverage", "seen", "effective",
              "largest DHR - mixture", "largest DOP - mixture", "BRDF off");
   for (const surface::MixturePoint& p : angle.points) {
@@ -93,9 +96,7 @@ void print(const surface::MixtureAngle& angle) {
 void run_mixture(const SurfaceOptions& options, const std::vector<double>& coverage_factors,
                  const Common& common, const Ranks& ranks) {
   const SurfaceRun work(options, common, ranks);
-  const auto read = [&](const surface::Reading& reading) {
-    return surface::read_surface(options.scene, reading);
-  };
+  const surface::ReadSurface read = surface::reader_of(options.scene);
   const surface::Surface described = read({.seed = common.seed});
   surface::MixtureRequest request;
   request.theta_i_deg = work.angles(described);
@@ -104,26 +105,34 @@ void run_mixture(const SurfaceOptions& options, const std::vector<double>& cover
   request.rings = options.rings;
   request.strip = options.strip;
   request.strip_half_width_deg = options.strip_half_width_deg;
+  request.launches = work.lay_launches();
+  KeptRun kept = work.kept(
+      request.theta_i_deg,
+      fmt::format(
+          "mixture {}; {} a lay, {} launches, errors {} {}", fmt::join(coverage_factors, " "),
+          request.launches ? std::to_string(*request.launches) : "preset", request.how.samples,
+          request.how.dhr_relative_error, request.how.cells.relative_error));
   catch_interrupts();
   Progress progress("simulate", common.quiet || !work.first_rank());
   std::size_t at = 0;
   std::size_t of = 1;
-  request.step = [&](std::size_t number, std::size_t count) {
+  request.begin = [&](std::size_t number, std::size_t count) {
     at = number;
     of = count;
+    return kept.begun(number);
+  };
+  request.ended = [&](std::size_t number, const trace::Result& result) {
+    kept.ended(number, result);
   };
   request.how.progress = [&](const trace::Progress& p) {
-    double done = static_cast<double>(p.samples) / static_cast<double>(request.how.samples);
-    if (request.how.dhr_relative_error > 0.0 && p.dhr_relative_error > 0.0) {
-      done = std::max(done, std::pow(request.how.dhr_relative_error / p.dhr_relative_error, 2));
-    }
-    progress.update(
-        1000.0 * (static_cast<double>(at) + std::min(1.0, done)) / static_cast<double>(of), 1000.0,
-        fmt::format("simulation {} of {}, DHR ± {:.3f} %", at + 1, of,
-                    100.0 * p.dhr_relative_error));
+    progress.update(1000.0 * (static_cast<double>(at) + p.done) / static_cast<double>(of), 1000.0,
+                    fmt::format("simulation {} of {}, {}", at + 1, of, work.said(p)));
+    kept.under_way(at, p.result);
   };
   const auto angles = surface::analyse_mixture(read, request);
   progress.finish();
+  const bool interrupted = angles.size() < request.theta_i_deg.size();
+  kept.finish(interrupted);
   if (!work.first_rank()) return;
 
   ordered_json out = {{"scene", options.scene},
@@ -138,10 +147,13 @@ void run_mixture(const SurfaceOptions& options, const std::vector<double>& cover
   } else {
     for (const auto& angle : angles) print(angle);
   }
-  if (interrupt_flag().load()) {
-    std::fflush(stdout);
-    throw Interrupted("stopped; angles that were not whole are left out");
-  }
+  if (!interrupted) return;
+  std::fflush(stdout);
+  throw Interrupted(options.output.empty()
+                        ? "stopped; angles that were not whole are left out, and nothing is kept "
+                          "without -o"
+                        : "stopped; angles that were not whole are left out; the same command with "
+                          "--resume goes on");
 }
 
 }  // namespace umov::cli

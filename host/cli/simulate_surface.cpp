@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -15,11 +17,14 @@
 #include "host/cli/simulate_mixture.hpp"
 #include "host/cli/surface_run.hpp"
 #include "host/errors/error.hpp"
+#include "host/formats/atomic_file.hpp"
 #include "host/formats/brdf_h5.hpp"
 #include "host/formats/table_file.hpp"
 #include "host/optics/angles.hpp"
 #include "host/surface/brdf_export.hpp"
+#include "host/surface/hemisphere_picture.hpp"
 #include "host/surface/hemisphere_table.hpp"
+#include "host/surface/lays.hpp"
 #include "host/surface/radiance.hpp"
 #include "host/surface/sim_h5.hpp"
 
@@ -32,12 +37,14 @@ using surface::Directions;
 struct Options : SurfaceOptions {
   Directions directions = Directions::both;
   bool mixture = false;
-  std::string table;
+  std::string table, exr, png;
+  std::optional<double> png_nm;  // else the wavelength in the middle
+  std::string png_element = "m00";
   std::vector<double> coverage_factors{0.2, 0.4, 0.6, 0.8, 1.0};
 };
 
 ordered_json angle_summary(const surface::Surface& described, double theta_i_deg,
-                           const trace::Result& result) {
+                           const trace::Result& result, std::uint64_t lays) {
   const trace::Ledger& ledger = result.ledger();
   ordered_json bands = ordered_json::array();
   for (std::size_t w = 0; w < described.scene.wavelengths_um.size(); ++w) {
@@ -69,11 +76,13 @@ ordered_json angle_summary(const surface::Surface& described, double theta_i_deg
   return {{"theta_i_deg", theta_i_deg},
           {"samples", result.samples()},
           {"rays", ledger.rays},
+          {"lays", lays},
           {"bands", bands}};
 }
 
-ordered_json summary(const Options& options, const surface::Surface& described,
-                     const std::vector<double>& theta, const std::vector<trace::Result>& results) {
+ordered_json summary(const Options& options, const SurfaceRun& work,
+                     const surface::Surface& described, const std::vector<double>& theta,
+                     const std::vector<trace::Result>& results) {
   ordered_json layers = ordered_json::array();
   for (const surface::Layer& layer : described.layers) {
     layers.push_back(
@@ -81,15 +90,24 @@ ordered_json summary(const Options& options, const surface::Surface& described,
   }
   ordered_json angles = ordered_json::array();
   for (std::size_t i = 0; i < results.size(); ++i) {
-    angles.push_back(angle_summary(described, theta[i], results[i]));
+    angles.push_back(
+        angle_summary(described, theta[i], results[i], work.lays(described, results[i])));
   }
   ordered_json out = {{"scene", options.scene},
                       {"layers", layers},
                       {"covered", described.covered},
+                      {"random", described.random},
                       {"angles", angles}};
   // One angle is also said without a list.
   if (results.size() == 1) out.update(angles[0]);
   return out;
+}
+
+// What the errors below are of, where that is not plain.
+std::string errors_of(bool random, std::uint64_t lays) {
+  if (!random) return "";
+  if (lays > 1) return fmt::format(", {} lays; errors are of lays and rays", lays);
+  return ", one lay; errors are of rays, another lay scatters too";
 }
 
 void print(const ordered_json& s) {
@@ -98,8 +116,9 @@ void print(const ordered_json& s) {
                layer["kind"].get<std::string>(), 100.0 * layer["coverage"].get<double>());
   }
   for (const auto& angle : s["angles"]) {
-    fmt::print("light from {:g}°: {} samples, {} rays\n", angle["theta_i_deg"].get<double>(),
-               angle["samples"].get<std::uint64_t>(), angle["rays"].get<std::uint64_t>());
+    fmt::print("light from {:g}°: {} samples, {} rays{}\n", angle["theta_i_deg"].get<double>(),
+               angle["samples"].get<std::uint64_t>(), angle["rays"].get<std::uint64_t>(),
+               errors_of(s["random"].get<bool>(), angle["lays"].get<std::uint64_t>()));
     const bool emits = angle["bands"][0].contains("radiance");
     fmt::print("{:>9}  {:>18}  {:>20}  {:>9}{}\n", "nm", "DHR", "hemispherical DOP", "lost",
                emits ? "  emissivity   radiance [W/m2/sr/um]" : "");
@@ -152,8 +171,9 @@ void append(formats::BrdfTable& all, formats::BrdfTable&& part) {
 }
 
 // One file: the table that every command of the toolkit reads, and the whole hemispheres.
-void write(const Options& options, const Common& common, const surface::Surface& described,
-           const std::vector<double>& theta, const std::vector<trace::Result>& results) {
+void write(const Options& options, const Common& common, const SurfaceRun& work,
+           const surface::Surface& described, const std::vector<double>& theta,
+           const std::vector<trace::Result>& results) {
   formats::BrdfTable table;
   for (std::size_t i = 0; i < results.size(); ++i) {
     formats::BrdfTable part =
@@ -172,7 +192,8 @@ void write(const Options& options, const Common& common, const surface::Surface&
   formats::write_brdf_h5(options.output, table, provenance, [&](formats::Hdf5Builder& file) {
     for (std::size_t i = 0; i < results.size(); ++i) {
       const std::string path = i == 0 ? "/hemisphere" : fmt::format("/hemisphere_{}", i + 1);
-      surface::add_hemisphere(file, path, results[i], described.scene, theta[i], common.seed,
+      surface::add_hemisphere(file, path, results[i], described.scene,
+                              {theta[i], common.seed, work.lays(described, results[i])},
                               described.emission);
     }
   });
@@ -194,22 +215,62 @@ void write_as_table(const Options& options, const Common& common, const surface:
   formats::write_table(options.table, csv ? "table-csv" : "table", table, writing);
 }
 
+// The wavelength that the picture is of.
+std::size_t pictured(const Options& options, const surface::Surface& described) {
+  const std::vector<double>& um = described.scene.wavelengths_um;
+  if (!options.png_nm) return um.size() / 2;
+  const auto found = std::find_if(
+      um.begin(), um.end(), [&](double w) { return std::abs(1e3 * w - *options.png_nm) < 0.5; });
+  if (found == um.end()) {
+    throw Error(fmt::format("a picture at {:g} nm, which is not simulated", *options.png_nm),
+                "choose a wavelength of the scene with --png-nm");
+  }
+  return static_cast<std::size_t>(found - um.begin());
+}
+
+// One picture an angle: where there are several, each with its angle in the name.
+void write_pictures(const Options& options, std::size_t wavelength,
+                    const surface::Surface& described, const std::vector<double>& theta,
+                    const std::vector<trace::Result>& results) {
+  const std::vector<double>& um = described.scene.wavelengths_um;
+  if (!options.exr.empty()) surface::write_hemisphere_exr(options.exr, {results, theta, um});
+  if (options.png.empty()) return;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    std::filesystem::path file = options.png;
+    if (theta.size() > 1) {
+      file.replace_filename(
+          fmt::format("{}-{:g}deg{}", file.stem().string(), theta[i], file.extension().string()));
+    }
+    formats::replace_file(
+        file, surface::hemisphere_png(results[i], theta[i], um[wavelength], wavelength,
+                                      options.png_element[1] - '0', options.png_element[2] - '0'));
+  }
+}
+
 void run(const Options& options, const Common& common) {
-  if (!options.table.empty()) require_product_output({options.scene}, options.table);
-  if (!options.output.empty()) require_product_output({options.scene}, options.output);
+  for (const std::string& file : {options.table, options.output, options.exr, options.png}) {
+    if (!file.empty()) require_product_output({options.scene}, file);
+  }
   const Ranks ranks;
+  if (options.mixture && !(options.table + options.exr + options.png).empty()) {
+    throw Error("--mixture writes neither tables nor pictures",
+                "leave --table, --exr and --png out, or simulate without --mixture");
+  }
   if (options.mixture) return run_mixture(options, options.coverage_factors, common, ranks);
-  const surface::Surface described = surface::read_surface(options.scene, {.seed = common.seed});
+  const surface::Lays lays(surface::reader_of(options.scene), {.seed = common.seed});
+  const surface::Surface& described = lays.first();
   SurfaceRun work(options, common, ranks);
+  const std::size_t in_picture = pictured(options, described);
   const std::vector<double> theta = work.angles(described);
   catch_interrupts();
-  const std::vector<trace::Result> results = work.simulate(described);
+  const std::vector<trace::Result> results = work.simulate(lays);
   if (!work.first_rank()) return;
-  if (!options.output.empty()) write(options, common, described, theta, results);
+  if (!options.output.empty()) write(options, common, work, described, theta, results);
+  write_pictures(options, in_picture, described, theta, results);
   if (!options.table.empty() && !work.interrupted()) {
     write_as_table(options, common, described, theta, results);
   }
-  const ordered_json s = summary(options, described, theta, results);
+  const ordered_json s = summary(options, work, described, theta, results);
   if (common.json) {
     fmt::print("{}\n", s.dump());
   } else {
@@ -246,6 +307,27 @@ void add_simulate_surface(CLI::App& simulate, const Common& common) {
                    "stop when the DHR of every wavelength is known to so many percent (1 sigma); "
                    "else that of the scene")
       ->check(CLI::Range(0.0, 100.0));
+  command
+      ->add_option("--cell-error", options->cell_error_percent,
+                   "stop when m00 of the cells of the hemisphere is known to so many percent (1 "
+                   "sigma) at every wavelength; with --relative-error, when both are; else that of "
+                   "the scene")
+      ->check(CLI::Range(0.0, 100.0));
+  command
+      ->add_option(
+          "--cell-percentile", options->cell_percentile,
+          "--cell-error: so many percent of all cells are known as well or better; 50, the "
+          "median, unless said otherwise")
+      ->check(CLI::Range(1.0, 100.0));
+  command
+      ->add_option("--cell", options->cell_deg,
+                   "--cell-error: THETA,PHI in degrees; the cell in this direction alone")
+      ->delimiter(',');
+  command->add_option(
+      "--lay-samples", options->lay_samples,
+      "launches after which particles and rough ground are laid anew, so that errors hold where "
+      "they lie too; 0: one lay, errors of rays alone; unless said otherwise 4096 or more, fewer "
+      "in short runs, 0 where laying takes longer than tracing");
   command->add_flag("--resume", options->resume,
                     "go on where Ctrl-C or a crash ended a run to the same output");
   command->add_option("--rings", options->rings, "rings of cells over 90 degrees")
@@ -264,6 +346,20 @@ void add_simulate_surface(CLI::App& simulate, const Common& common) {
   command->add_option("--table", options->table,
                       "also write the BRDF as a table over all angles of incidence: .csv for the "
                       "emulated instrument (umov emulator --sample FILE.csv), else table.h5");
+  command->add_option("--exr", options->exr,
+                      "the hemispheres as polar maps in OpenEXR: a channel for each angle, "
+                      "wavelength and Mueller element");
+  command->add_option("--png", options->png,
+                      "a polar map with its scale; of several angles one each, FILE-20deg.png");
+  command->add_option("--png-nm", options->png_nm,
+                      "--png: wavelength; the one in the middle unless said otherwise");
+  std::vector<std::string> elements;
+  for (int e = 0; e < 16; ++e) elements.push_back(fmt::format("m{}{}", e / 4, e % 4));
+  command
+      ->add_option("--png-element", options->png_element,
+                   "--png: m00, or another Mueller element as its share of m00")
+      ->check(CLI::IsMember(elements))
+      ->capture_default_str();
   command->add_flag("--mixture", options->mixture,
                     "linear mixing of the materials by area beside the simulation, at several "
                     "coverages; -o is then a JSON file");
@@ -275,6 +371,7 @@ void add_simulate_surface(CLI::App& simulate, const Common& common) {
       ->capture_default_str();
   command->footer(
       "Examples:\n"
+      "  umov simulate surface dirt.toml --cell-error 3 -o dirt.h5   # the median cell to 3 %\n"
       "  umov simulate surface examples/surfaces/wet-dirt.toml --theta-i 20,60 -o wet.h5\n"
       "  mpirun -n 8 umov simulate surface scene.toml --relative-error 0.1 -o sim.h5");
   command->callback([options, &common] { run(*options, common); });

@@ -4,9 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <chrono>
+#include <array>
 #include <cmath>
-#include <filesystem>
 
 #include "host/cli/interrupt.hpp"
 #include "host/cli/model_values.hpp"
@@ -14,7 +13,7 @@
 #include "host/cli/scene_digest.hpp"
 #include "host/errors/error.hpp"
 #include "host/optics/angles.hpp"
-#include "host/surface/run_state.hpp"
+#include "host/optics/frames.hpp"
 
 namespace umov::cli {
 namespace {
@@ -22,7 +21,28 @@ namespace {
 // Launches an angle where only an error or a number of rays ends it, and where nothing does.
 constexpr double unlimited_samples = 1e15;
 constexpr double preset_samples = 1e6;
-constexpr std::chrono::seconds between_states{60};
+
+// Of the options, else of the scene.
+trace::CellGoal cell_goal(const SurfaceOptions& options, const surface::Stop& stop,
+                          const trace::Hemisphere& hemisphere) {
+  trace::CellGoal goal;
+  goal.relative_error = options.cell_error_percent > 0.0 ? 0.01 * options.cell_error_percent
+                                                         : stop.cell_relative_error;
+  const bool named = options.cell_percentile || !options.cell_deg.empty();
+  if (named && !(goal.relative_error > 0.0)) {
+    throw Error("--cell and --cell-percentile say of which cells, but not how well",
+                "add --cell-error");
+  }
+  goal.percentile = options.cell_percentile.value_or(stop.cell_percentile);
+  std::optional<std::array<double, 2>> direction;
+  if (!named) direction = stop.cell_deg;
+  if (!options.cell_deg.empty()) direction = {options.cell_deg[0], options.cell_deg[1]};
+  if (direction) {
+    goal.cell = hemisphere.find(
+        optics::exit_direction(optics::radians((*direction)[0]), optics::radians((*direction)[1])));
+  }
+  return goal;
+}
 
 }  // namespace
 
@@ -33,6 +53,21 @@ SurfaceRun::SurfaceRun(const SurfaceOptions& options, const Common& common, cons
   }
   if (options.resume && options.output.empty()) {
     throw Error("nothing to resume without an output file", "name it with -o, as the first time");
+  }
+  if (options.lay_samples && !(*options.lay_samples >= 0.0 && *options.lay_samples <= 1e15)) {
+    throw Error(fmt::format("{} launches a lay", *options.lay_samples),
+                "choose 1 to 1e15, or 0 for one lay");
+  }
+  if (!options.cell_deg.empty()) {
+    const bool direction = options.cell_deg.size() == 2 && options.cell_deg[0] >= 0.0 &&
+                           options.cell_deg[0] < 90.0 && std::isfinite(options.cell_deg[1]);
+    if (!direction) {
+      throw Error(fmt::format("--cell {} is no direction", fmt::join(options.cell_deg, ",")),
+                  "give THETA,PHI in degrees, theta from 0 to below 90");
+    }
+    if (options.cell_percentile) {
+      throw Error("--cell and --cell-percentile", "a run stops by one cell or by a share of all");
+    }
   }
 }
 
@@ -51,8 +86,10 @@ trace::Request SurfaceRun::request(const surface::Surface& described) const {
   request.dhr_relative_error = options_.relative_error_percent > 0.0
                                    ? 0.01 * options_.relative_error_percent
                                    : described.stop.dhr_relative_error;
+  request.cells = cell_goal(options_, described.stop, hemisphere());
   request.rays = static_cast<std::uint64_t>(described.stop.rays);
-  const bool ends_itself = request.dhr_relative_error > 0.0 || request.rays > 0;
+  const bool ends_itself =
+      request.dhr_relative_error > 0.0 || request.cells.relative_error > 0.0 || request.rays > 0;
   request.samples = static_cast<std::uint64_t>(
       options_.samples.value_or(ends_itself ? unlimited_samples : preset_samples));
   request.emissivity = described.emission.has_value();
@@ -61,67 +98,66 @@ trace::Request SurfaceRun::request(const surface::Surface& described) const {
   return request;
 }
 
-std::vector<trace::Result> SurfaceRun::simulate(const surface::Surface& described) {
-  const trace::Geometry geometry(described.scene);
-  const trace::PathTracer tracer(described.scene, geometry);
-  const trace::Hemisphere hemisphere(options_.rings, options_.strip,
-                                     optics::radians(options_.strip_half_width_deg));
-  const std::vector<double> theta = angles(described);
-  trace::Request request = this->request(described);
+std::optional<std::uint64_t> SurfaceRun::lay_launches() const {
+  if (!options_.lay_samples) return std::nullopt;
+  return static_cast<std::uint64_t>(*options_.lay_samples);
+}
 
-  const std::string run = fmt::format(
-      "{} {} {} {} {} {} {} {}", scene_digest(options_.scene), common_.seed, fmt::join(theta, " "),
-      request.block, options_.rings, options_.strip, options_.strip_half_width_deg, UMOV_VERSION);
-  surface::RunState state;
-  if (options_.resume) {
-    state = surface::load_state(options_.state_file(), run);
-    if (state.size() > theta.size()) state.resize(theta.size());
+std::uint64_t SurfaceRun::launches(const surface::Surface& described) const {
+  if (!described.random) return 0;
+  const auto chosen = lay_launches();
+  return chosen ? *chosen : surface::launches_a_lay(described, request(described).samples);
+}
+
+std::uint64_t SurfaceRun::lays(const surface::Surface& described,
+                               const trace::Result& result) const {
+  return launches(described) > 0 ? result.blocks() : 1;
+}
+
+trace::Hemisphere SurfaceRun::hemisphere() const {
+  return {options_.rings, options_.strip, optics::radians(options_.strip_half_width_deg)};
+}
+
+KeptRun SurfaceRun::kept(const std::vector<double>& theta_i_deg, const std::string& more) const {
+  const std::string words =
+      fmt::format("{} {} {} {} {} {} {} {}", scene_digest(options_.scene), common_.seed,
+                  fmt::join(theta_i_deg, " "), more, options_.rings, options_.strip,
+                  options_.strip_half_width_deg, UMOV_VERSION);
+  return {options_.state_file(), words, options_.resume, !options_.output.empty() && first_rank()};
+}
+
+std::string SurfaceRun::said(const trace::Progress& p) const {
+  std::string text = fmt::format("{:.3g} launches, DHR ± {:.3f} %", static_cast<double>(p.samples),
+                                 100.0 * p.dhr_relative_error);
+  if (p.cell_relative_error > 0.0) {
+    text += fmt::format(", cells ± {:.2f} %", 100.0 * p.cell_relative_error);
   }
-  const bool keeps = !options_.output.empty() && first_rank();
-  auto kept = std::chrono::steady_clock::now();
+  return text;
+}
+
+std::vector<trace::Result> SurfaceRun::simulate(const surface::Lays& lays) {
+  const std::vector<double> theta = angles(lays.first());
+  trace::Request request = this->request(lays.first());
+  const std::uint64_t launches_a_lay = launches(lays.first());
+  KeptRun kept = this->kept(theta, fmt::format("{} a lay", launches_a_lay));
 
   Progress progress("simulate", common_.quiet || !first_rank());
   std::vector<trace::Result> results;
   for (std::size_t i = 0; i < theta.size(); ++i) {
     request.theta_i = optics::radians(theta[i]);
     request.progress = [&](const trace::Progress& p) {
-      // What is left by the samples, the rays or the error asked for, whichever is sooner.
-      double done = static_cast<double>(p.samples) / static_cast<double>(request.samples);
-      if (request.dhr_relative_error > 0.0 && p.dhr_relative_error > 0.0) {
-        done = std::max(done, std::pow(request.dhr_relative_error / p.dhr_relative_error, 2));
-      }
-      if (request.rays > 0) {
-        done = std::max(
-            done, static_cast<double>(p.result.ledger().rays) / static_cast<double>(request.rays));
-      }
-      const double angles_done = static_cast<double>(i) + std::min(1.0, done);
-      progress.update(1000.0 * angles_done / static_cast<double>(theta.size()), 1000.0,
-                      fmt::format("{:g}°, {:.3g} launches, DHR ± {:.3f} %", theta[i],
-                                  static_cast<double>(p.samples), 100.0 * p.dhr_relative_error));
-      if (keeps && std::chrono::steady_clock::now() - kept > between_states) {
-        kept = std::chrono::steady_clock::now();
-        state.resize(std::max(state.size(), i + 1));
-        state[i] = p.result.state();
-        surface::save_state(options_.state_file(), run, state);
-      }
+      progress.update(
+          1000.0 * (static_cast<double>(i) + p.done) / static_cast<double>(theta.size()), 1000.0,
+          fmt::format("{:g}°, {}", theta[i], said(p)));
+      kept.under_way(i, p.result);
     };
-    const std::vector<double> begun = i < state.size() ? state[i] : std::vector<double>{};
-    results.push_back(trace::simulate(tracer, hemisphere, request, begun));
-    state.resize(std::max(state.size(), i + 1));
-    state[i] = results.back().state();
-    // A signal may have reached some of the ranks only.
-    interrupted_ = on_any_rank(&ranks_, interrupt_flag().load());
+    results.push_back(lays.simulate(hemisphere(), request, launches_a_lay, kept.begun(i)));
+    kept.ended(i, results.back());
+    interrupted_ = trace::stop_asked(request);
     if (interrupted_) break;
   }
   progress.finish();
-  if (keeps) {
-    std::error_code none;
-    if (interrupted_) {
-      surface::save_state(options_.state_file(), run, state);
-    } else {
-      std::filesystem::remove(options_.state_file(), none);
-    }
-  }
+  kept.finish(interrupted_);
   return results;
 }
 

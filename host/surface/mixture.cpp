@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
-#include "host/errors/error.hpp"
 #include "host/optics/angles.hpp"
 #include "host/optics/mueller.hpp"
 
@@ -53,35 +53,6 @@ Estimate element(const trace::MuellerEstimate& e, int row, int column) {
 }
 
 }  // namespace
-
-std::vector<Estimate> hidden_shares(const Surface& surface, double theta_i_deg,
-                                    const trace::Request& how) {
-  // The same faces, all black, and films that are not there.
-  trace::Scene scene = surface.scene;
-  scene.wavelengths_um = {1.0};
-  for (trace::Medium& medium : scene.media) medium = {{1.0}, {0.0}};
-  for (trace::MaterialId id = 0; id < scene.materials.size(); ++id) {
-    const bool particle = std::any_of(surface.layers.begin(), surface.layers.end(),
-                                      [&](const Layer& layer) { return layer.material == id; });
-    if (particle || !std::holds_alternative<trace::Interface>(scene.materials[id])) {
-      scene.materials[id] = trace::Lambertian{{0.0}};
-    }
-  }
-  const trace::Geometry geometry(scene);
-  const trace::PathTracer tracer(scene, geometry);
-  trace::Request request;
-  request.theta_i = optics::radians(theta_i_deg);
-  request.seed = how.seed;
-  request.threads = how.threads;
-  request.samples = std::min<std::uint64_t>(how.samples, 1'000'000);
-  request.emissivity = true;
-  const trace::Result result = trace::simulate(tracer, trace::Hemisphere(1, 0, 0.0), request);
-  std::vector<Estimate> shares;
-  for (const Layer& layer : surface.layers) {
-    shares.push_back(result.absorptance(layer.material, 0)[0]);
-  }
-  return shares;
-}
 
 MixturePoint mixed(const trace::Result& whole, const trace::Result& bare,
                    const std::vector<const trace::Result*>& contaminants,
@@ -197,81 +168,6 @@ MixingLaw fit_law(const std::vector<Estimate>& fraction,
   law.gamma_u = std::hypot(std::sqrt(std::max(1.0, scatter) / information), by_bare / information,
                            by_contaminant / information);
   return law;
-}
-
-std::vector<MixtureAngle> analyse_mixture(const std::function<Surface(const Reading&)>& read,
-                                          const MixtureRequest& request) {
-  Reading reading{.seed = request.how.seed};
-  std::vector<Surface> wholes;
-  for (const double factor : request.coverage_factors) {
-    reading.coverage_scale = factor;
-    wholes.push_back(read(reading));
-  }
-  reading.coverage_scale = 1.0;
-  if (wholes.empty() || wholes.front().layers.empty()) {
-    throw Error("a mixture needs particles or drops", "add [[particles]] or [[drops]]");
-  }
-  reading.part = Part::bare;
-  const Surface bare = read(reading);
-  reading.part = Part::contaminant;
-  std::vector<Surface> contaminants;
-  for (reading.layer = 0; reading.layer < wholes.front().layers.size(); ++reading.layer) {
-    contaminants.push_back(read(reading));
-  }
-
-  const trace::Hemisphere hemisphere(request.rings, request.strip,
-                                     optics::radians(request.strip_half_width_deg));
-  const std::size_t an_angle = 1 + contaminants.size() + wholes.size();
-  std::size_t done = 0;
-  // Each simulation has random numbers of its own: with the same, errors would go together.
-  std::uint64_t number = 0;
-  const auto with_own_seed = [&] {
-    trace::Request how = request.how;
-    how.seed += ++number << 40;
-    return how;
-  };
-  const auto stopped = [&] { return request.how.stop && request.how.stop(); };
-  std::vector<MixtureAngle> angles;
-  for (const double theta : request.theta_i_deg) {
-    const auto simulated = [&](const Surface& surface) {
-      if (request.step) request.step(done, an_angle * request.theta_i_deg.size());
-      ++done;
-      trace::Request how = with_own_seed();
-      how.theta_i = optics::radians(theta);
-      const trace::Geometry geometry(surface.scene);
-      const trace::PathTracer tracer(surface.scene, geometry);
-      return trace::simulate(tracer, hemisphere, how);
-    };
-    MixtureAngle angle{theta, simulated(bare), {}, {}, {}, {}, {}};
-    for (const Surface& surface : contaminants) {
-      angle.contaminants.push_back(simulated(surface));
-    }
-    std::vector<const trace::Result*> layers;
-    for (const trace::Result& result : angle.contaminants) layers.push_back(&result);
-    for (const Surface& surface : wholes) {
-      angle.wholes.push_back(simulated(surface));
-      angle.points.push_back(mixed(angle.wholes.back(), angle.bare, layers,
-                                   hidden_shares(surface, theta, with_own_seed()),
-                                   surface.scene.wavelengths_um));
-      angle.points.back().theta_i_deg = theta;
-      angle.points.back().coverage = surface.covered;
-    }
-    if (stopped()) break;
-    std::vector<Estimate> fractions;
-    std::vector<EffectiveFraction> effective;
-    for (const MixturePoint& point : angle.points) {
-      fractions.push_back(point.fraction);
-      effective.push_back(point.effective);
-    }
-    angle.law = fit_law(fractions, effective);
-    for (std::size_t w = 0; w < bare.scene.wavelengths_um.size(); ++w) {
-      std::vector<EffectiveFraction> in_band;
-      for (const MixturePoint& point : angle.points) in_band.push_back(point.bands[w].effective);
-      angle.band_laws.push_back(fit_law(fractions, in_band));
-    }
-    angles.push_back(std::move(angle));
-  }
-  return angles;
 }
 
 }  // namespace umov::surface

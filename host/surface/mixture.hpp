@@ -5,22 +5,16 @@
 // would give the simulated reflectance.
 #pragma once
 
-#include <functional>
+#include <cstdint>
 #include <vector>
 
-#include "host/surface/scene_file.hpp"
 #include "host/trace/simulation.hpp"
 
 namespace umov::surface {
 
-/// Share of light from `theta_i_deg` that each layer of particles meets before anything else but a
-/// film; only the samples, seed and threads of `how` count.
-std::vector<trace::Estimate> hidden_shares(const Surface& surface, double theta_i_deg,
-                                           const trace::Request& how);
-
 /// An effective fraction with its whole error and the parts of it: of the simulation of the dirty
-/// surface, and what one standard error of the bare surface's and of the contaminant's simulation
-/// moves it by. The latter two are common to all coverages at an angle.
+/// surface (its lays and rays), and what one standard error of the bare surface's and of the
+/// contaminant's simulation moves it by. The latter two are common to all coverages at an angle.
 struct EffectiveFraction : trace::Estimate {
   double own = 0.0, by_bare = 0.0, by_contaminant = 0.0;
 };
@@ -42,6 +36,7 @@ struct MixturePoint {
   double coverage;              ///< seen from above
   trace::Estimate fraction;     ///< f, seen along the incident light
   EffectiveFraction effective;  ///< that fits all wavelengths best (least squares)
+  std::uint64_t lays = 1;       ///< behind the errors; 1: these are of rays alone
   std::vector<MixtureBand> bands;
 };
 
@@ -67,31 +62,5 @@ struct MixingLaw {
 /// points scatter by more than these, and holds what is common to all points.
 MixingLaw fit_law(const std::vector<trace::Estimate>& fraction,
                   const std::vector<EffectiveFraction>& effective);
-
-struct MixtureRequest {
-  std::vector<double> theta_i_deg;
-  std::vector<double> coverage_factors;  ///< of the scene's coverages
-  trace::Request how;  ///< of every simulation but for θi and the seed's own part
-  std::size_t rings = 18, strip = 180;
-  double strip_half_width_deg = 2.0;
-  /// Called before each simulation with its number and how many there are.
-  std::function<void(std::size_t, std::size_t)> step = {};
-};
-
-/// All that was simulated at one angle.
-struct MixtureAngle {
-  double theta_i_deg;
-  trace::Result bare;
-  std::vector<trace::Result> contaminants;  ///< by layer
-  std::vector<trace::Result> wholes;        ///< by coverage factor
-  std::vector<MixturePoint> points;         ///< by coverage factor
-  MixingLaw law;                            ///< of MixturePoint::effective
-  std::vector<MixingLaw> band_laws;         ///< by wavelength
-};
-
-/// `read` describes the scene (read_surface() or surface_from_toml() with the same text). Throws
-/// umov::Error for a scene without particles. `how.stop` ends it with the angles that are whole.
-std::vector<MixtureAngle> analyse_mixture(const std::function<Surface(const Reading&)>& read,
-                                          const MixtureRequest& request);
 
 }  // namespace umov::surface

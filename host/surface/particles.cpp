@@ -30,6 +30,8 @@ constexpr double packed = 0.84;
 constexpr double touching = 1e-6;
 // Candidates for the place of an overlapping Poisson disk.
 constexpr int candidates = 12;
+// Steps in whose time a map of what is covered is made.
+constexpr std::uint64_t a_coverage = 40'000;
 
 // Streams of random numbers beside that of the sizes.
 enum Stream : std::uint32_t { sizes = 1, places = 2, centres = 3 };
@@ -73,6 +75,8 @@ class Layer {
         widest_(laying.sizes.median * laying.sizes.spread * laying.sizes.spread) {
     for (const Disc& disc : placed) before_ += area_of(disc) / (size * size);
   }
+
+  std::uint64_t steps() const { return steps_; }
 
   void lay() {
     if (laying_.layout == Layout::grid) return on_grid();
@@ -150,6 +154,7 @@ class Layer {
     for (const double radius : radii) {
       for (std::uint64_t tries = 0;; ++tries) {
         if (tries == most_tries) no_room();
+        ++steps_;
         const Disc disc = draw_place(trial++, radius);
         const bool free = lattice.each_near(disc.x, disc.y, disc.radius, [&](std::size_t n) {
           const double apart = disc.radius + placed_[n].radius;
@@ -174,30 +179,38 @@ class Layer {
     const auto reach = [&](std::size_t n) {
       return placed_[n].radius * (n >= first_ ? inflation : 1.0);
     };
+    // They are pushed to where they are clear of each other by a little: exactly touching is
+    // approached without end.
+    const double slack =
+        std::clamp(std::sqrt(packed / (laying_.coverage + before_)) - 1.0, 1e-10, 0.01);
     double largest = 0.0;
     for (std::size_t n = 0; n < placed_.size(); ++n) largest = std::max(largest, reach(n));
+    largest *= 1.0 + slack;
     DiscLattice lattice(size_, largest);
     std::vector<double> move_x(placed_.size()), move_y(placed_.size());
     for (int push = 0; push < most_pushes; ++push) {
+      steps_ += placed_.size();
       lattice.clear();
       for (std::size_t n = 0; n < placed_.size(); ++n) lattice.add(n, placed_[n].x, placed_[n].y);
       std::fill(move_x.begin(), move_x.end(), 0.0);
       std::fill(move_y.begin(), move_y.end(), 0.0);
       double worst = 0.0;
       for (std::size_t n = 0; n < placed_.size(); ++n) {
-        lattice.each_near(placed_[n].x, placed_[n].y, reach(n), [&](std::size_t other) {
-          if (other == n || (placed_[n].may_overlap && placed_[other].may_overlap)) return true;
-          const double apart = reach(n) + reach(other);
-          const double d2 = distance2(placed_[n], placed_[other]);
-          if (d2 >= apart * apart) return true;
-          const double d = std::max(std::sqrt(d2), 1e-9 * apart);
-          worst = std::max(worst, (apart - d) / apart);
-          // Half of the overlap and a little more, so that the last bit of it goes too.
-          const double part = 0.5 * (apart - d + 1e-4 * touching * apart);
-          move_x[n] += part * std::remainder(placed_[n].x - placed_[other].x, size_) / d;
-          move_y[n] += part * std::remainder(placed_[n].y - placed_[other].y, size_) / d;
-          return true;
-        });
+        lattice.each_near(
+            placed_[n].x, placed_[n].y, reach(n) * (1.0 + slack), [&](std::size_t other) {
+              if (other == n || (placed_[n].may_overlap && placed_[other].may_overlap)) return true;
+              const double apart = reach(n) + reach(other);
+              const double clear = apart * (1.0 + slack);
+              const double d2 = distance2(placed_[n], placed_[other]);
+              if (d2 >= clear * clear) return true;
+              const double d = std::max(std::sqrt(d2), 1e-9 * apart);
+              worst = std::max(worst, (apart - d) / apart);
+              // Half of what is missing each.
+              const double part = 0.5 * (clear - d);
+              move_x[n] += part * std::remainder(placed_[n].x - placed_[other].x, size_) / d;
+              move_y[n] += part * std::remainder(placed_[n].y - placed_[other].y, size_) / d;
+              return true;
+            });
       }
       if (worst <= touching) return;
       for (std::size_t n = 0; n < placed_.size(); ++n) {
@@ -217,6 +230,7 @@ class Layer {
     for (;; ++side) {
       placed_.resize(first_);
       Coverage covered(size_);
+      steps_ += a_coverage + side * side;
       const double step = size_ / static_cast<double>(side);
       for (std::size_t i = 0; i < side * side; ++i) {
         const Disc next{(static_cast<double>(i % side) + 0.5) * step,
@@ -248,6 +262,7 @@ class Layer {
   // One after the other until they cover enough together.
   void overlapping() {
     Coverage covered(size_);
+    steps_ += a_coverage;
     DiscLattice lattice(size_, 0.5 * widest_);
     std::uint64_t trial = 0;
     const double last = 0.5 * area_of({0.0, 0.0, 0.5 * laying_.sizes.median}) / (size_ * size_);
@@ -271,6 +286,7 @@ class Layer {
           }
         }
       }
+      steps_ += laying_.layout == Layout::poisson_disk ? candidates : 1;
       best.may_overlap = true;
       lattice.add(placed_.size(), best.x, best.y);
       placed_.push_back(best);
@@ -286,13 +302,15 @@ class Layer {
   const std::size_t first_;
   const double widest_;
   double before_ = 0.0;
+  std::uint64_t steps_ = 0;
   std::uint64_t cluster_count_ = 0;
   double cluster_radius_ = 0.0;
 };
 
 }  // namespace
 
-void lay(std::vector<Disc>& placed, const Laying& laying, double size, std::uint64_t seed) {
+std::uint64_t lay(std::vector<Disc>& placed, const Laying& laying, double size,
+                  std::uint64_t seed) {
   const Sizes& sizes = laying.sizes;
   if (!(laying.coverage > 0.0 && laying.coverage <= most_coverage)) {
     throw Error(fmt::format("a coverage of {}", laying.coverage),
@@ -313,7 +331,9 @@ void lay(std::vector<Disc>& placed, const Laying& laying, double size, std::uint
     throw Error(fmt::format("particles up to {} wide in a period of {}", widest, size),
                 "make the period at least twice as long");
   }
-  Layer(placed, laying, size, seed).lay();
+  Layer layer(placed, laying, size, seed);
+  layer.lay();
+  return layer.steps();
 }
 
 }  // namespace umov::surface

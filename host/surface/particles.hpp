@@ -38,11 +38,12 @@ struct Laying {
 /// Adds discs to those in `placed` until they cover the area asked for, as nearly as whole discs
 /// can; centres are in [0, size). Up to half of the ground each disc in its turn gets the first
 /// free place of those drawn at random; beyond, all of a layer are drawn and pushed apart, which
-/// moves earlier ones too. `seed` decides all.
+/// moves earlier ones too. `seed` decides all. How many steps that took: a disc that tries a place
+/// or is pushed, some .2 µs.
 ///
 /// Throws umov::Error for values out of range, discs wider than half the square, and where the
 /// discs find no room: equal ones without overlap cover about .8 at random and .78 on a grid.
-void lay(std::vector<Disc>& placed, const Laying& laying, double size, std::uint64_t seed);
+std::uint64_t lay(std::vector<Disc>& placed, const Laying& laying, double size, std::uint64_t seed);
 
 /// Share of the square that the discs cover together, from 2048² points.
 double covered_share(const std::vector<Disc>& discs, double size);

@@ -52,7 +52,7 @@ RunState load_state(const std::filesystem::path& path, const std::string& run) {
     throw Error(place, "is no whole state of a simulation", "begin anew without --resume");
   }
   if (all.substr(start, digits) != digest(run)) {
-    throw Error(place, "is of a run with another scene, seed, angles or cells",
+    throw Error(place, "is of a run with another scene, seed, angles, cells or lays",
                 "resume with what it was begun with, or begin anew without --resume");
   }
   const char* next = all.data() + start + digits;

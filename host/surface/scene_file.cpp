@@ -11,6 +11,7 @@
 #include "host/optics/angles.hpp"
 #include "host/surface/gaussian_heights.hpp"
 #include "host/surface/ground.hpp"
+#include "host/surface/immersion.hpp"
 #include "host/surface/particles.hpp"
 #include "host/surface/radiance.hpp"
 #include "host/surface/scene_materials.hpp"
@@ -75,6 +76,12 @@ class Reader {
     }
     if (on_film) read_film(surface);
     add_spheres(surface, placed, base);
+    if (reading_.like == nullptr) {
+      immerse(surface, on_film);
+    } else {
+      surface.scene.materials = reading_.like->scene.materials;
+      surface.scene.media = reading_.like->scene.media;
+    }
     read_emission(surface);
     read_stop(surface.stop);
     root_.refuse_unknown();
@@ -84,6 +91,8 @@ class Reader {
                                  "leave the material out, or use it");
       }
     }
+    surface.steps += surface.scene.spheres.size();
+    for (const trace::Triangles& mesh : surface.scene.meshes) surface.steps += mesh.faces.size();
     surface.scene.check();
     return surface;
   }
@@ -122,13 +131,19 @@ class Reader {
     return table.number("temperature_k", 1.0, hottest_k, background_k_);
   }
 
+  // What the next material was in an earlier reading that this one may take it over from.
+  const trace::Material* prepared(const trace::Scene& scene) const {
+    return reading_.like != nullptr ? &reading_.like->scene.materials.at(scene.materials.size())
+                                    : nullptr;
+  }
   MaterialId add(trace::Scene& scene, trace::Material material, double kelvin) {
     const MaterialId id = scene.add(std::move(material));
     set_temperature(id, false, kelvin);
     return id;
   }
-  MaterialId add_liquid(trace::Scene& scene, SceneTable& table) {
+  MaterialId add_liquid(trace::Scene& scene, SceneTable& table, std::vector<MediumId>& liquids) {
     const MediumId liquid = scene.add(read_liquid(table, wavelengths_));
+    liquids.push_back(liquid);
     const double kelvin = read_temperature(table);
     set_temperature(liquid, true, kelvin);
     return add(scene, trace::Interface{liquid}, kelvin);
@@ -139,8 +154,9 @@ class Reader {
     trace::Scene& scene = surface.scene;
     const bool modelled =
         substrate.text("model") != "fresnel" && substrate.text("model") != "lambertian";
-    surface.ground =
-        add(scene, read_material(substrate, wavelengths_), read_temperature(substrate));
+    surface.ground = add(scene, read_material(substrate, wavelengths_, prepared(scene)),
+                         read_temperature(substrate));
+    if (modelled) modelled_.push_back({surface.ground, substrate, false});
     if (!substrate.has("rough")) {
       scene.add_plane(0.0, surface.ground);
       substrate.refuse_unknown();
@@ -169,6 +185,7 @@ class Reader {
       auto heights = gaussian_heights(cells, period_, correlation, slope, reading_.seed);
       scene.add_height_field(cells, cells, heights, surface.ground);
       ground_ = Ground(std::move(heights), cells, period_);
+      surface.random = slope > 0.0;
     } catch (const Error& e) {
       substrate.fail("rough", "cannot be made: " + e.problem(), e.remedy());
     }
@@ -184,10 +201,11 @@ class Reader {
     }
   }
 
-  trace::Material named_material(SceneTable& user, const std::string& name, double& kelvin) {
+  trace::Material named_material(SceneTable& user, const std::string& name, double& kelvin,
+                                 const trace::Material* prepared) {
     if (const auto found = materials_.find(name); found != materials_.end()) {
       used_.insert(name);
-      trace::Material material = read_material(found->second, wavelengths_);
+      trace::Material material = read_material(found->second, wavelengths_, prepared);
       kelvin = read_temperature(found->second);
       found->second.refuse_unknown();
       return material;
@@ -242,12 +260,17 @@ class Reader {
     const bool wanted = reading_.part == Part::whole ||
                         (reading_.part == Part::contaminant && reading_.layer == number);
     if (drops) {
-      if (wanted) material = add_liquid(scene, table);
+      if (wanted) material = add_liquid(scene, table, laying.overlap ? flooding_ : drops_);
       for (const char* key : {"index", "n", "kappa", "temperature_k"}) table.know(key);
     } else {
       double kelvin = 0.0;
-      auto described = named_material(table, table.text("material"), kelvin);
-      if (wanted) material = add(scene, std::move(described), kelvin);
+      const std::string name = table.text("material");
+      auto described = named_material(table, name, kelvin, wanted ? prepared(scene) : nullptr);
+      if (wanted) {
+        const bool modelled = std::holds_alternative<trace::Modelled>(described);
+        material = add(scene, std::move(described), kelvin);
+        if (modelled) modelled_.push_back({material, materials_.at(name), laying.overlap});
+      }
     }
     table.refuse_unknown();
     if (!wanted) return;
@@ -259,10 +282,11 @@ class Reader {
 
     const std::size_t before = placed.size();
     try {
-      lay(placed, laying, period_, reading_.seed + 1 + surface.layers.size());
+      surface.steps += lay(placed, laying, period_, reading_.seed + 1 + surface.layers.size());
     } catch (const Error& e) {
       table.fail("coverage", "cannot be laid: " + e.problem(), e.remedy());
     }
+    surface.random = surface.random || laying.layout != Layout::grid || laying.sizes.spread > 1.0;
     surface.layers.push_back({drops ? "drop" : "sphere", placed.size() - before, 0.0, material});
     contact_.push_back(optics::radians(contact));
   }
@@ -274,7 +298,9 @@ class Reader {
       Layer& layer = surface.layers[l];
       const auto first = placed.begin() + static_cast<std::ptrdiff_t>(next);
       layer.coverage =
-          covered_share({first, first + static_cast<std::ptrdiff_t>(layer.count)}, period_);
+          reading_.like != nullptr
+              ? reading_.like->layers[l].coverage
+              : covered_share({first, first + static_cast<std::ptrdiff_t>(layer.count)}, period_);
       const double cosine = std::cos(contact_[l]);
       for (const std::size_t end = next + layer.count; next < end; ++next) {
         // The disc is what is seen from above: the whole sphere from 90° on, else the cap's base.
@@ -291,16 +317,39 @@ class Reader {
         surface.scene.spheres.push_back(sphere);
       }
     }
-    surface.covered = placed.empty() ? 0.0 : covered_share(placed, period_);
+    surface.covered = reading_.like != nullptr ? reading_.like->covered
+                      : placed.empty()         ? 0.0
+                                               : covered_share(placed, period_);
   }
 
   void read_film(Surface& surface) {
     SceneTable film = root_.table("film");
     film.know("particles");
     const double thickness = film.number("thickness_um", 1e-6, period_);
-    const MaterialId skin = add_liquid(surface.scene, film);
+    const MaterialId skin = add_liquid(surface.scene, film, films_);
     film.refuse_unknown();
     if (reading_.part != Part::contaminant) surface.scene.add_plane(thickness, skin);
+  }
+
+  // Models learn of the liquids that may lie on them. The ground is wetted by all; particles by a
+  // film that they stand in, and by drops where both may overlap.
+  void immerse(Surface& surface, bool on_film) {
+    for (Face& face : modelled_) {
+      const bool ground = face.material == surface.ground;
+      std::vector<MediumId> liquids = ground || !on_film ? films_ : std::vector<MediumId>{};
+      if (ground) liquids.insert(liquids.end(), drops_.begin(), drops_.end());
+      if (ground || face.may_overlap) {
+        liquids.insert(liquids.end(), flooding_.begin(), flooding_.end());
+      }
+      auto& model = std::get<trace::Modelled>(surface.scene.materials[face.material]);
+      for (const MediumId liquid : liquids) {
+        try {
+          model.immersed.emplace_back(liquid, immersed(model.sampler, surface.scene.media[liquid]));
+        } catch (const Error& e) {
+          face.table.fail("model", "does not go with the liquid on it: " + e.problem(), e.remedy());
+        }
+      }
+    }
   }
 
   void read_emission(Surface& surface) {
@@ -328,12 +377,39 @@ class Reader {
     if (!root_.has("stop")) return;
     SceneTable table = root_.table("stop");
     stop.dhr_relative_error = table.number("dhr_relative_error", 1e-6, 1.0, 0.0);
+    stop.cell_relative_error = table.number("cell_relative_error", 1e-6, 1.0, 0.0);
+    if (table.has("cell_deg")) {
+      const std::vector<double> direction = table.numbers("cell_deg", -360.0, 360.0);
+      if (direction.size() != 2 || direction[0] < 0.0 || direction[0] >= 90.0) {
+        table.fail("cell_deg", "is no direction", "write [theta_r, phi_r], theta_r 0 to below 90");
+      }
+      if (table.has("cell_percentile")) {
+        table.fail("cell_percentile", "and cell_deg: at most one of them may be given",
+                   "a run stops by one cell or by a share of all");
+      }
+      stop.cell_deg = {direction[0], direction[1]};
+    }
+    stop.cell_percentile = table.number("cell_percentile", 1.0, 100.0, stop.cell_percentile);
+    for (const char* key : {"cell_deg", "cell_percentile"}) {
+      if (table.has(key) && !table.has("cell_relative_error")) {
+        table.fail(key, "says of which cells, but not how well", "add cell_relative_error");
+      }
+    }
     stop.rays = table.number("max_rays", 1.0, 1e15, 0.0);
     table.refuse_unknown();
   }
 
+  // A face with a model, and where it is described.
+  struct Face {
+    MaterialId material;
+    SceneTable table;
+    bool may_overlap;
+  };
+
   SceneTable root_;
   Reading reading_;
+  std::vector<Face> modelled_;
+  std::vector<MediumId> films_, drops_, flooding_;  // the latter: of drops that may overlap
   std::vector<double> wavelengths_;
   double period_ = 0.0;
   double background_k_ = 300.0;

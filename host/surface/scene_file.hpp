@@ -1,6 +1,7 @@
 // Scene files: a rough, dirty or wet surface in TOML. Keys: host/surface/README.md.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -31,10 +32,15 @@ struct Emission {
   double sun_theta_deg = 0.0, sun_phi_deg = 0.0;  ///< where the sun stands, φ as exit directions
 };
 
-/// When a simulation may end.
+/// When a simulation may end; 0: not by this. Errors are 1 σ, of every wavelength.
 struct Stop {
-  double dhr_relative_error = 0.0;  ///< 1 σ; 0: no such end
-  double rays = 0.0;                ///< 0: no such end
+  double dhr_relative_error = 0.0;
+  double cell_relative_error = 0.0;
+  /// Which cells: the percentile of all of them, or the one that holds a direction (θr and φr in
+  /// degrees).
+  double cell_percentile = 50.0;
+  std::optional<std::array<double, 2>> cell_deg;
+  double rays = 0.0;
 };
 
 struct Surface {
@@ -45,7 +51,9 @@ struct Surface {
   trace::MaterialId ground = 0;     ///< of the substrate
   std::optional<Emission> emission;
   Stop stop;
-  bool film = false;  ///< there is one
+  bool film = false;        ///< there is one
+  bool random = false;      ///< another seed would lay it otherwise
+  std::uint64_t steps = 0;  ///< that laying and building it takes, of some .2 µs
 };
 
 /// Which part of what a file describes.
@@ -61,6 +69,9 @@ struct Reading {
   Part part = Part::whole;
   std::size_t layer = 0;        ///< of Part::contaminant, particles first
   double coverage_scale = 1.0;  ///< of every layer
+  /// Of the same text and part, with another seed: its materials, media and measured coverages
+  /// are taken over, not made again.
+  const Surface* like = nullptr;
 };
 
 /// `file` names the text in errors, and files beside it are looked for there. Throws umov::Error,

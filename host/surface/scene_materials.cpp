@@ -59,7 +59,8 @@ trace::Medium read_liquid(SceneTable& table, const std::vector<double>& waveleng
   return medium;
 }
 
-trace::Material read_material(SceneTable& table, const std::vector<double>& wavelengths_um) {
+trace::Material read_material(SceneTable& table, const std::vector<double>& wavelengths_um,
+                              const trace::Material* prepared) {
   const std::size_t count = wavelengths_um.size();
   if (table.text("model") == "fresnel") {
     const trace::Medium body = read_index(table, wavelengths_um);
@@ -75,6 +76,7 @@ trace::Material read_material(SceneTable& table, const std::vector<double>& wave
                                         : std::vector<double>(count, p.initial));
     table.know(p.name);
   }
+  if (prepared != nullptr && std::holds_alternative<trace::Modelled>(*prepared)) return *prepared;
   std::vector<brdf::SpectralValues> values;
   for (std::size_t w = 0; w < count; ++w) {
     values.push_back({{}, wavelengths_um[w]});

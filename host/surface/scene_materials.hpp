@@ -12,7 +12,9 @@ namespace umov::surface {
 
 /// A material as [substrate] and [materials.NAME] describe it: `model` is one of the library, or
 /// `fresnel`, a smooth opaque body of index n + iκ. All throw umov::Error with file and line.
-trace::Material read_material(SceneTable& table, const std::vector<double>& wavelengths_um);
+/// `prepared`: what the same table gave before; its samplers, if it has any, are taken over.
+trace::Material read_material(SceneTable& table, const std::vector<double>& wavelengths_um,
+                              const trace::Material* prepared = nullptr);
 
 /// n and κ of a table: `index`, the name of an embedded one, or `n` and `kappa`; else those of
 /// `preset`, where that is not empty.

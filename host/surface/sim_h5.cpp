@@ -41,8 +41,8 @@ void add_cells(formats::Hdf5Builder& file, const std::string& path, const trace:
 }  // namespace
 
 void add_hemisphere(formats::Hdf5Builder& file, const std::string& path,
-                    const trace::Result& result, const trace::Scene& scene, double theta_i_deg,
-                    std::uint64_t seed, const std::optional<Emission>& emission) {
+                    const trace::Result& result, const trace::Scene& scene,
+                    const Simulated& simulated, const std::optional<Emission>& emission) {
   file.group(path);
   const std::size_t cells = result.hemisphere().cells();
   add_cells(file, path, result, scene, 0, cells);
@@ -65,7 +65,7 @@ void add_hemisphere(formats::Hdf5Builder& file, const std::string& path,
   const auto set = [&](const char* name, const std::vector<double>& values) {
     file.attribute(path, name, std::span<const double>(values));
   };
-  set("theta_i_deg", {theta_i_deg});
+  set("theta_i_deg", {simulated.theta_i_deg});
   set("dhr", dhr);
   set("dhr_se", dhr_se);
   set("hemispherical_dop", dop);
@@ -74,7 +74,8 @@ void add_hemisphere(formats::Hdf5Builder& file, const std::string& path,
   set("lost", lost);
   set("rays", {static_cast<double>(ledger.rays)});
   set("samples", {static_cast<double>(result.samples())});
-  set("seed", {static_cast<double>(seed)});
+  set("seed", {static_cast<double>(simulated.seed)});
+  set("lays", {static_cast<double>(simulated.lays)});
   if (!emission || !result.knows_absorptance()) return;
 
   const std::string radiance = path + "/radiance";

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -43,9 +44,18 @@ struct Interface {
   MediumId inside;
 };
 
-/// A flat face with a model of the library; its sampler has been made for the scene's wavelengths.
+/// A flat face with a model of the library; samplers have been made for the scene's wavelengths.
 struct Modelled {
   brdf::Sampler sampler;
+  /// What the face is in other media than vacuum; in those that are not named, `sampler`.
+  std::vector<std::pair<MediumId, brdf::Sampler>> immersed = {};
+
+  const brdf::Sampler& in(MediumId medium) const {
+    for (const auto& [front, wet] : immersed) {
+      if (front == medium) return wet;
+    }
+    return sampler;
+  }
 };
 
 using Material = std::variant<Lambertian, Conductor, Interface, Modelled>;

@@ -345,15 +345,16 @@ struct PathTracer::Run {
     turn_to(path, y - dot(y, path.beam.k) * path.beam.k);
     // 90° itself is no incidence of a model.
     const double theta = std::min(std::atan2(sine, cosine), 0.5 * optics::pi * (1.0 - 1e-12));
-    const auto drawn = material.sampler.sample(theta, u[0], u[1], u[2], path.first);
+    const brdf::Sampler& sampler = material.in(path.medium);
+    const auto drawn = sampler.sample(theta, u[0], u[1], u[2], path.first);
     for (std::size_t i = path.first; i < path.first + path.count; ++i) {
       const Mueller<double> before = weight(i);
       if (!drawn) {
         keep(hit.material, i, before, Mueller<double>(0.0));
         continue;
       }
-      weight(i) = optics::product(
-          i == path.first ? drawn->weight : material.sampler.weight(*drawn, i), before);
+      weight(i) =
+          optics::product(i == path.first ? drawn->weight : sampler.weight(*drawn, i), before);
       keep(hit.material, i, before, weight(i));
     }
     if (!drawn) return false;

@@ -52,11 +52,14 @@ struct CheckMaterial {
     }
   }
   void operator()(const Modelled& m) const {
-    if (m.sampler.spectrum().size() != count) {
+    const auto check_one = [&](const brdf::Sampler& sampler) {
+      if (sampler.spectrum().size() == count) return;
       refuse(fmt::format("{}: the model has {} wavelengths, the scene {}", name,
-                         m.sampler.spectrum().size(), count),
+                         sampler.spectrum().size(), count),
              "make the sampler with the scene's wavelengths");
-    }
+    };
+    check_one(m.sampler);
+    for (const auto& [medium, wet] : m.immersed) check_one(wet);
   }
 };
 

@@ -91,7 +91,7 @@ class Block : public Collector {
   std::uint32_t most_meetings_;
 };
 
-void check(const PathTracer& tracer, const Request& request) {
+void check(const PathTracer& tracer, const Hemisphere& hemisphere, const Request& request) {
   if (!(request.theta_i >= 0.0 && request.theta_i < 0.5 * optics::pi)) {
     throw Error(fmt::format("light from θi = {}°", optics::degrees(request.theta_i)),
                 "choose an angle from 0 to below 90°");
@@ -99,12 +99,25 @@ void check(const PathTracer& tracer, const Request& request) {
   if (request.samples == 0 || request.block == 0) {
     throw Error("a simulation without samples", "choose at least one");
   }
+  const CellGoal& goal = request.cells;
+  if (!(goal.percentile > 0.0 && goal.percentile <= 100.0)) {
+    throw Error(fmt::format("an error at percentile {} of the cells", goal.percentile),
+                "choose above 0 and up to 100");
+  }
+  if (goal.cell && *goal.cell >= hemisphere.cells()) {
+    throw Error(fmt::format("an error of cell {} of {}", *goal.cell, hemisphere.cells()),
+                "choose a cell that there is");
+  }
   if (!tracer.scene().periodic) {
     throw Error("the BRDF of a scene that is not periodic", "make its domain periodic");
   }
 }
 
 }  // namespace
+
+bool stop_asked(const Request& request) {
+  return on_any_rank(request.team, request.stop && request.stop());
+}
 
 Result::Result(Hemisphere hemisphere, std::size_t wavelengths, std::size_t owners)
     : hemisphere_(std::move(hemisphere)),
@@ -175,6 +188,31 @@ double Result::dhr_relative_error() const {
   return worst;
 }
 
+double Result::cell_relative_error(const CellGoal& goal) const {
+  const auto relative = [&](std::size_t cell, std::size_t wavelength) {
+    const Sums& sums = cells_[cell * hemisphere_sums_.size() + wavelength];
+    const double b = static_cast<double>(blocks_);
+    const double mean = sums.sum[0][0] / b;
+    if (!(mean > 0.0)) return std::numeric_limits<double>::infinity();
+    const double spread = std::max(0.0, sums.squares[0][0] / b - mean * mean);
+    return std::sqrt(spread / (b - 1.0)) / mean;
+  };
+  double worst = 0.0;
+  std::vector<double> errors(goal.cell ? 0 : hemisphere_.cells());
+  for (std::size_t w = 0; w < hemisphere_sums_.size(); ++w) {
+    if (goal.cell) {
+      worst = std::max(worst, relative(*goal.cell, w));
+      continue;
+    }
+    for (std::size_t cell = 0; cell < errors.size(); ++cell) errors[cell] = relative(cell, w);
+    const double rank = std::ceil(0.01 * goal.percentile * static_cast<double>(errors.size()));
+    const auto at = errors.begin() + static_cast<std::ptrdiff_t>(std::max(1.0, rank)) - 1;
+    std::nth_element(errors.begin(), at, errors.end());
+    worst = std::max(worst, *at);
+  }
+  return worst;
+}
+
 // The numbers of a state, in its order. Counts are exact up to 2⁵³.
 template <class Visitor>
 void Result::each_number(Visitor visit) {
@@ -224,19 +262,18 @@ void Result::restore(const std::vector<double>& state) {
 // order of their numbers by everybody.
 class Run {
  public:
-  Run(const PathTracer& tracer, const Hemisphere& hemisphere, const Request& request)
-      : tracer_(tracer),
+  Run(const TracerOfBlock& tracers, const PathTracer& any, const Hemisphere& hemisphere,
+      const Request& request)
+      : tracers_(tracers),
         request_(request),
         ranks_(request.team != nullptr ? request.team->size() : 1),
         rank_(request.team != nullptr ? request.team->rank() : 0),
         round_(wave * ((ranks_ + wave - 1) / wave)),
-        result_(
-            hemisphere, tracer.scene().wavelengths_um.size(),
-            request.emissivity ? tracer.scene().materials.size() + tracer.scene().media.size() : 0),
-        blocks_(round_,
-                Block(result_.hemisphere_, tracer.scene().wavelengths_um.size(), result_.owners_,
-                      request.most_meetings)),
-        workspaces_(wave, PathTracer::Workspace(tracer)) {
+        result_(hemisphere, any.scene().wavelengths_um.size(),
+                request.emissivity ? any.scene().materials.size() + any.scene().media.size() : 0),
+        blocks_(round_, Block(result_.hemisphere_, any.scene().wavelengths_um.size(),
+                              result_.owners_, request.most_meetings)),
+        workspaces_(wave, PathTracer::Workspace(any)) {
     result_.block_ = static_cast<double>(request.block);
   }
 
@@ -248,9 +285,7 @@ class Run {
       const bool stopped = share();
       for (std::size_t first = 0; go_on && first < round_; first += wave) {
         add_wave(first);
-        if (request_.progress) {
-          request_.progress({result_.samples_, result_.dhr_relative_error(), result_});
-        }
+        if (request_.progress) report();
         go_on = !done();
       }
       go_on = go_on && !stopped;
@@ -262,27 +297,54 @@ class Run {
   bool done() const {
     if (result_.samples_ >= request_.samples) return true;
     if (request_.rays > 0 && result_.ledger_.rays >= request_.rays) return true;
+    const bool by_dhr = request_.dhr_relative_error > 0.0;
+    const bool by_cells = request_.cells.relative_error > 0.0;
     // The scatter of fewer blocks than 64 is too vague to stop by.
-    return request_.dhr_relative_error > 0.0 && result_.blocks_ >= 4 * wave &&
-           result_.dhr_relative_error() <= request_.dhr_relative_error;
+    if (!(by_dhr || by_cells) || result_.blocks_ < 4 * wave) return false;
+    return !(by_dhr && result_.dhr_relative_error() > request_.dhr_relative_error) &&
+           !(by_cells &&
+             result_.cell_relative_error(request_.cells) > request_.cells.relative_error);
+  }
+
+  // By the launches or the rays, whichever end it sooner, or by the error that is farther off.
+  void report() const {
+    const bool by_cells = request_.cells.relative_error > 0.0;
+    Progress p{result_.samples_, result_.dhr_relative_error(),
+               by_cells ? result_.cell_relative_error(request_.cells) : 0.0, 0.0, result_};
+    p.done = static_cast<double>(p.samples) / static_cast<double>(request_.samples);
+    if (request_.rays > 0) {
+      p.done = std::max(
+          p.done, static_cast<double>(result_.ledger_.rays) / static_cast<double>(request_.rays));
+    }
+    // Errors fall as the root of the launches.
+    double by_error = std::numeric_limits<double>::infinity();
+    const auto goal = [&](double wanted, double found) {
+      if (wanted > 0.0 && found > 0.0) by_error = std::min(by_error, std::pow(wanted / found, 2));
+    };
+    goal(request_.dhr_relative_error, p.dhr_relative_error);
+    goal(request_.cells.relative_error, p.cell_relative_error);
+    if (std::isfinite(by_error)) p.done = std::max(p.done, by_error);
+    p.done = std::min(1.0, p.done);
+    request_.progress(p);
   }
 
   std::size_t own_blocks() const { return (round_ + ranks_ - 1) / ranks_; }
 
   void trace_own() {
-    const Scene& scene = tracer_.scene();
-    // Above the highest face by more than what counts as on it.
-    const double height = tracer_.geometry().top() + 1e-3 * std::max(scene.size_x, scene.size_y);
     const optics::Beam<double> beam = optics::incident_beam(request_.theta_i);
     for_each_index(own_blocks(), request_.threads, [&](std::size_t own) {
       const std::size_t number = rank_ + own * ranks_;
       if (number >= round_) return;
+      const std::shared_ptr<const PathTracer> tracer = tracers_(result_.blocks_ + number);
+      const Scene& scene = tracer->scene();
+      // Above the highest face by more than what counts as on it.
+      const double height = tracer->geometry().top() + 1e-3 * std::max(scene.size_x, scene.size_y);
       Block& block = blocks_[number];
       block.clear();
       const std::uint64_t first = (result_.blocks_ + number) * request_.block;
       for (std::uint64_t sample = first; sample < first + request_.block; ++sample) {
         const auto u = uniforms(request_.seed, sample, 0);
-        tracer_.trace(Vec3(u[0] * scene.size_x, u[1] * scene.size_y, height), beam, request_.seed,
+        tracer->trace(Vec3(u[0] * scene.size_x, u[1] * scene.size_y, height), beam, request_.seed,
                       sample, workspaces_[own], block, block.ledger);
       }
     });
@@ -338,7 +400,7 @@ class Run {
     result_.samples_ += wave * request_.block;
   }
 
-  const PathTracer& tracer_;
+  const TracerOfBlock& tracers_;
   const Request& request_;
   const std::size_t ranks_, rank_, round_;
   Result result_;
@@ -348,8 +410,15 @@ class Run {
 
 Result simulate(const PathTracer& tracer, const Hemisphere& hemisphere, const Request& request,
                 const std::vector<double>& begun) {
-  check(tracer, request);
-  return Run(tracer, hemisphere, request).take(begun);
+  const std::shared_ptr<const PathTracer> not_owned(std::shared_ptr<void>(), &tracer);
+  return simulate([&](std::uint64_t) { return not_owned; }, hemisphere, request, begun);
+}
+
+Result simulate(const TracerOfBlock& tracers, const Hemisphere& hemisphere, const Request& request,
+                const std::vector<double>& begun) {
+  const std::shared_ptr<const PathTracer> any = tracers(0);
+  check(*any, hemisphere, request);
+  return Run(tracers, *any, hemisphere, request).take(begun);
 }
 
 }  // namespace umov::trace

@@ -8,6 +8,8 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "host/parallel/team.hpp"
@@ -30,8 +32,17 @@ class Result;
 /// Of a run, so far.
 struct Progress {
   std::uint64_t samples;
-  double dhr_relative_error;  ///< the largest of all wavelengths, 1 σ
-  const Result& result;       ///< of what has been traced
+  double dhr_relative_error;   ///< the largest of all wavelengths, 1 σ
+  double cell_relative_error;  ///< Result::cell_relative_error(); 0 where none was asked for
+  double done;                 ///< share of the launches, rays or errors asked for, 0 to 1
+  const Result& result;        ///< of what has been traced
+};
+
+/// How well the cells of the hemisphere (not those of the strip) are to be known.
+struct CellGoal {
+  double relative_error = 0.0;      ///< 1 σ of m00 over its value; 0: no goal
+  double percentile = 50.0;         ///< of all cells, above 0 and up to 100; 50: the median
+  std::optional<std::size_t> cell;  ///< this one alone, instead of a percentile
 };
 
 struct Request {
@@ -39,9 +50,11 @@ struct Request {
   std::uint64_t seed = 1;
   std::uint64_t samples = 1'000'000;  ///< launches at most; rounded up to 16 blocks
   std::uint64_t block = 2048;         ///< launches a block
-  double dhr_relative_error = 0.0;    ///< stop when every wavelength has it (1 σ); 0: never
-  std::uint64_t rays = 0;             ///< stop when so many have been traced; 0: never
-  int threads = 0;                    ///< 0: all cores; changes no result
+  /// Stop when every wavelength has this (1 σ) and the cells have theirs; 0: not by the DHR.
+  double dhr_relative_error = 0.0;
+  CellGoal cells = {};
+  std::uint64_t rays = 0;  ///< stop when so many have been traced; 0: never
+  int threads = 0;         ///< 0: all cores; changes no result
   /// Exits count that have met so many faces at most; 0: all. The ledger counts all.
   std::uint32_t most_meetings = 0;
   bool emissivity = false;  ///< also by whom light is absorbed
@@ -49,6 +62,9 @@ struct Request {
   std::function<bool()> stop = {};  ///< asked now and then; true ends the run with what there is
   const Team* team = nullptr;       ///< all must make the same request; changes no result
 };
+
+/// Does one of the ranks want the run to stop? All must ask.
+bool stop_asked(const Request& request);
 
 class Result {
  public:
@@ -58,8 +74,12 @@ class Result {
   const Hemisphere& hemisphere() const { return hemisphere_; }
   const Ledger& ledger() const { return ledger_; }
   std::uint64_t samples() const { return samples_; }
+  std::uint64_t blocks() const { return blocks_; }
   /// 1 σ of the DHR over its value, the largest of all wavelengths.
   double dhr_relative_error() const;
+  /// 1 σ of m00 over its value, of the cell or at the percentile of all cells that `goal` says; the
+  /// largest of all wavelengths. Infinite for cells that no light was seen in.
+  double cell_relative_error(const CellGoal& goal) const;
 
   /// Mean BRDF of a cell, weighted by cos θr [1/sr]; basis of each direction's own {s, p}.
   MuellerEstimate brdf(std::size_t cell, std::size_t wavelength) const;
@@ -102,9 +122,19 @@ class Result {
 };
 
 /// Throws umov::Error for a request that makes no sense: θi not from 0 to below 90°, no samples, a
-/// scene that is not periodic (its edges would be part of the answer). With `begun`, state() of an
-/// earlier call that was stopped, it goes on from there, to the same bits as without the stop.
+/// goal for cells that there are not, a scene that is not periodic (its edges would be part of the
+/// answer). With `begun`, state() of an earlier call that was stopped, it goes on from there, to
+/// the same bits as without the stop.
 Result simulate(const PathTracer& tracer, const Hemisphere& hemisphere, const Request& request,
+                const std::vector<double>& begun = {});
+
+/// The scene of a block, by its number; called from several threads at once. All of a run must have
+/// the same wavelengths, materials and media.
+using TracerOfBlock = std::function<std::shared_ptr<const PathTracer>(std::uint64_t)>;
+
+/// The same where each block has a scene of its own, such as particles that lie otherwise: the
+/// scatter between blocks, and with it every standard error, is then that of scenes and rays.
+Result simulate(const TracerOfBlock& tracers, const Hemisphere& hemisphere, const Request& request,
                 const std::vector<double>& begun = {});
 
 }  // namespace umov::trace

@@ -8,39 +8,43 @@
 #include "host/cli/study/contaminants_parts.hpp"
 #include "host/optics/angles.hpp"
 #include "host/optics/mueller.hpp"
-#include "host/surface/mixture.hpp"
+#include "host/surface/hidden_shares.hpp"
 
 namespace umov::study {
 
 const char* const band_text =
     "[surface]\nwavelengths_um = { from = 0.40, to = 0.90, step = 0.05 }\nperiod_um = 2000\n";
 
-surface::Surface SurfaceBench::read(const std::string& text, surface::Reading reading) const {
-  reading.seed = options_.seed;
-  return surface::surface_from_toml(text, "contaminants", reading);
+namespace {
+
+surface::ReadSurface reader(const std::string& text) {
+  return [text](const surface::Reading& reading) {
+    return surface::surface_from_toml(text, "contaminants", reading);
+  };
 }
 
+}  // namespace
+
 trace::Result SurfaceBench::simulate(const std::string& text, double theta_i_deg,
-                                     const surface::Reading& reading, std::uint64_t samples) {
+                                     surface::Reading reading, std::uint64_t samples) {
   if (options_.keep_going && !options_.keep_going()) throw Stopped{};
-  const surface::Surface described = read(text, reading);
-  const trace::Geometry geometry(described.scene);
-  const trace::PathTracer tracer(described.scene, geometry);
   trace::Request request;
   request.theta_i = optics::radians(theta_i_deg);
-  // Random numbers of its own: with the same, errors of simulations would go together.
-  request.seed = options_.seed + (std::uint64_t{1000 + done_} << 40);
+  // Random numbers and lays of its own: with the same, errors of simulations would go together.
+  const std::uint64_t own = std::uint64_t{1000 + done_} << 40;
+  request.seed = options_.seed + own;
+  reading.seed = surface::lay_seed(options_.seed, own);
   request.threads = options_.threads;
   request.samples = samples;
   request.progress = [&](const trace::Progress& p) {
     if (!options_.progress) return;
-    const double part = static_cast<double>(p.samples) / static_cast<double>(samples);
-    options_.progress((static_cast<double>(done_) + part) / static_cast<double>(simulations_),
+    options_.progress((static_cast<double>(done_) + p.done) / static_cast<double>(simulations_),
                       fmt::format("simulation {} of {}", done_ + 1, simulations_));
   };
   request.stop = [&] { return options_.keep_going && !options_.keep_going(); };
+  const surface::Lays lays(reader(text), reading);
   trace::Result result =
-      trace::simulate(tracer, trace::Hemisphere(18, 90, optics::radians(4.0)), request);
+      lays.simulate(trace::Hemisphere(18, 90, optics::radians(4.0)), request, launches_a_lay);
   if (request.stop()) throw Stopped{};
   ++done_;
   const trace::Ledger& ledger = result.ledger();
@@ -51,14 +55,17 @@ trace::Result SurfaceBench::simulate(const std::string& text, double theta_i_deg
   return result;
 }
 
-trace::Estimate SurfaceBench::hidden(const surface::Surface& surface, double theta_i_deg,
+trace::Estimate SurfaceBench::hidden(const std::string& text, double theta_i_deg,
                                      std::uint64_t number) const {
   trace::Request how;
   how.seed = options_.seed + (number << 40);
   how.threads = options_.threads;
   how.samples = 1u << 19;
+  const surface::Reading reading{.seed = surface::lay_seed(options_.seed, number << 40)};
+  const surface::ReadSurface read = reader(text);
   trace::Estimate sum{0.0, 0.0};
-  for (const trace::Estimate& e : surface::hidden_shares(surface, theta_i_deg, how)) {
+  for (const trace::Estimate& e :
+       surface::hidden_shares(read, reading, theta_i_deg, how, launches_a_lay)) {
     sum.mean += e.mean;
     sum.error = std::hypot(sum.error, e.error);
   }
@@ -133,8 +140,11 @@ Page contaminants(const Options& options) {
       "`{}`. Light comes from 20° and 60°; 11 bands from 0.40 to 0.90 µm; each simulation launches "
       "{} bundles (drops of 180° four times as many), each of which bounces as often as it must "
       "and carries whole Mueller matrices. "
-      "Errors are one standard error of the rays; where particles lie was drawn once.",
-      options.command.empty() ? "umov study contaminants" : options.command, launches));
+      "Errors are one standard error. Particles are laid anew after every {} bundles, so errors "
+      "hold "
+      "where they lie too.",
+      options.command.empty() ? "umov study contaminants" : options.command, launches,
+      launches_a_lay));
   add_soil(page, bench);
   add_water(page, bench);
   page.paragraph(

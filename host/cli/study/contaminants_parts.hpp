@@ -12,6 +12,8 @@ namespace umov::study {
 
 /// Launches of a simulation unless said otherwise.
 inline constexpr std::uint64_t launches = 1u << 20;
+/// Launches after which particles are laid anew.
+inline constexpr std::uint64_t launches_a_lay = 1u << 14;
 
 /// Simulates the study's surfaces, one after the other, and tells how far it is.
 class SurfaceBench {
@@ -20,13 +22,11 @@ class SurfaceBench {
       : options_(options), simulations_(simulations) {}
 
   /// `text` is a scene file. Throws Stopped where the options say so.
-  trace::Result simulate(const std::string& text, double theta_i_deg,
-                         const surface::Reading& reading, std::uint64_t samples = launches);
-  surface::Surface read(const std::string& text, surface::Reading reading) const;
-  /// Share of light from an angle that meets particles first.
-  /// `number`: of its random numbers; errors with the same go together.
-  trace::Estimate hidden(const surface::Surface& surface, double theta_i_deg,
-                         std::uint64_t number) const;
+  trace::Result simulate(const std::string& text, double theta_i_deg, surface::Reading reading,
+                         std::uint64_t samples = launches);
+  /// Share of light from an angle that meets particles of a scene file first.
+  /// `number`: of its random numbers and lays; errors with the same go together.
+  trace::Estimate hidden(const std::string& text, double theta_i_deg, std::uint64_t number) const;
 
   std::uint64_t rays() const { return rays_; }
   double lost() const { return lost_; }  ///< largest share of all simulations

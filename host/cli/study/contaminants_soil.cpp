@@ -42,8 +42,7 @@ double coverage_for(const SurfaceBench& bench, double fraction) {
   double low = fraction * std::cos(optics::radians(20.0));
   double coverage = low;
   for (int step = 0; step < 4; ++step) {
-    const double hidden =
-        bench.hidden(bench.read(scene(soils[0], coverage), {}), angles[0], 0).mean;
+    const double hidden = bench.hidden(scene(soils[0], coverage), angles[0], 0).mean;
     // What shadows hide of each other grows with coverage.
     coverage = std::min(0.80, coverage + (fraction - hidden) * (step == 0 ? 1.0 : 0.8));
   }
@@ -110,9 +109,9 @@ void add_soil(Page& page, SurfaceBench& bench) {
   Json numbers = Json::array();
   for (std::size_t k = 0; k < cases.size(); ++k) {
     cases[k].coverage = coverage_for(bench, published_20[k]);
-    const surface::Surface s = bench.read(scene(soils[0], cases[k].coverage), {});
+    const std::string text = scene(soils[0], cases[k].coverage);
     for (std::size_t a = 0; a < 2; ++a)
-      cases[k].fraction[a] = bench.hidden(s, angles[a], 1 + 2 * k + a);
+      cases[k].fraction[a] = bench.hidden(text, angles[a], 1 + 2 * k + a);
     const double f = cases[k].fraction[0].mean;
     const double ratio = std::cos(optics::radians(20.0)) / std::cos(optics::radians(60.0));
     rows.push_back(

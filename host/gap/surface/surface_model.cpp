@@ -11,8 +11,8 @@
 #include "host/optics/angles.hpp"
 #include "host/optics/frames.hpp"
 #include "host/optics/mueller.hpp"
-#include "host/surface/mixture.hpp"
-#include "host/surface/scene_file.hpp"
+#include "host/surface/hidden_shares.hpp"
+#include "host/surface/lays.hpp"
 
 namespace umov::gap {
 namespace {
@@ -68,21 +68,43 @@ class Bench {
       : scene_(std::move(scene)),
         name_(std::move(name)),
         options_(options),
-        hemisphere_(options.rings, strip_cells, optics::radians(strip_half_width_deg)) {}
+        hemisphere_(options.rings, strip_cells, optics::radians(strip_half_width_deg)),
+        launches_(surface::launches_a_lay(lays({}).first(), options.samples)) {}
 
-  surface::Surface read(surface::Reading reading, const std::string& more = {}) const {
-    reading.seed = options_.seed;
-    return surface::surface_from_toml(scene_ + more, name_, reading);
+  /// The scene with further lines.
+  surface::ReadSurface reader(const std::string& more = {}) const {
+    return [text = scene_ + more, name = name_](const surface::Reading& reading) {
+      return surface::surface_from_toml(text, name, reading);
+    };
   }
 
-  Result simulate(const surface::Surface& surface, double theta_i_deg,
+  surface::Lays lays(surface::Reading reading, const std::string& more = {}) const {
+    reading.seed = options_.seed;
+    return {reader(more), reading};
+  }
+
+  /// Can the scene be as these lines say too? It is known to be right without them.
+  bool takes(const std::string& more) const {
+    try {
+      reader(more)({.seed = options_.seed});
+      return true;
+    } catch (const Error&) {
+      return false;
+    }
+  }
+
+  // Means over lays: how the particles of the measurement lay is not known.
+  Result simulate(const surface::Lays& lays, double theta_i_deg,
                   std::uint32_t most_meetings) const {
-    const trace::Geometry geometry(surface.scene);
-    const trace::PathTracer tracer(surface.scene, geometry);
     trace::Request request = how();
     request.theta_i = optics::radians(theta_i_deg);
     request.most_meetings = most_meetings;
-    return trace::simulate(tracer, hemisphere_, request);
+    return lays.simulate(hemisphere_, request, launches_);
+  }
+
+  std::vector<trace::Estimate> hidden(surface::Reading reading, double theta_i_deg) const {
+    reading.seed = options_.seed;
+    return surface::hidden_shares(reader(), reading, theta_i_deg, how(), launches_);
   }
 
   trace::Request how() const {
@@ -97,6 +119,7 @@ class Bench {
   std::string scene_, name_;
   const SurfaceModelOptions& options_;
   trace::Hemisphere hemisphere_;
+  std::uint64_t launches_;  // of a lay
 };
 
 std::vector<Direction> directions_of(const formats::BrdfTable& table, std::vector<double>& value,
@@ -160,7 +183,8 @@ SurfaceModel::SurfaceModel(const formats::BrdfTable& measurement, const std::str
                             fewest));
   }
   const Bench bench(scene, name, options);
-  const surface::Surface whole = bench.read({});
+  const surface::Lays all_of_it = bench.lays({});
+  const surface::Surface& whole = all_of_it.first();
   const bool particles = !whole.layers.empty();
   factors_ = particles ? options.coverage_factors : std::vector<double>{1.0};
 
@@ -183,6 +207,8 @@ SurfaceModel::SurfaceModel(const formats::BrdfTable& measurement, const std::str
   for (const trace::Sphere& s : whole.scene.spheres) radius = std::min(radius, s.radius);
   const std::string film = fmt::format("\n[film]\nthickness_um = {}\n", film_thickness * radius);
 
+  const bool wettable = !whole.film && bench.takes(film);
+
   const auto count = static_cast<Eigen::Index>(directions.size());
   const auto columns = static_cast<Eigen::Index>(factors_.size());
   enum { shadowing, bounces, water, contaminant_albedo, ground_albedo, lobe, effect_count };
@@ -195,10 +221,10 @@ SurfaceModel::SurfaceModel(const formats::BrdfTable& measurement, const std::str
   }
   double done = 0.0;
   for (const auto& [theta, members] : by_angle) {
-    const Result bare = bench.simulate(bench.read({.part = surface::Part::bare}), theta, 1);
+    const Result bare = bench.simulate(bench.lays({.part = surface::Part::bare}), theta, 1);
     std::vector<Result> flat;
     for (std::size_t k = 0; k < whole.layers.size(); ++k) {
-      flat.push_back(bench.simulate(bench.read({.part = surface::Part::contaminant, .layer = k}),
+      flat.push_back(bench.simulate(bench.lays({.part = surface::Part::contaminant, .layer = k}),
                                     theta, whole.layers[k].kind == "drop" ? 0 : 1));
     }
     for (Eigen::Index c = 0; c < columns; ++c) {
@@ -206,12 +232,12 @@ SurfaceModel::SurfaceModel(const formats::BrdfTable& measurement, const std::str
         options.progress(done++ / static_cast<double>(by_angle.size() * factors_.size()));
       }
       const surface::Reading reading{.coverage_scale = factors_[static_cast<std::size_t>(c)]};
-      const surface::Surface described = bench.read(reading);
+      const surface::Lays described = bench.lays(reading);
       const Result once = bench.simulate(described, theta, 1);
       const Result often = bench.simulate(described, theta, 0);
-      const Result wet = whole.film ? often : bench.simulate(bench.read(reading, film), theta, 0);
+      const Result wet = !wettable ? often : bench.simulate(bench.lays(reading, film), theta, 0);
       std::vector<trace::Estimate> shares;
-      if (particles) shares = surface::hidden_shares(described, theta, bench.how());
+      if (particles) shares = bench.hidden(reading, theta);
       for (const Eigen::Index i : members) {
         const auto place = static_cast<std::size_t>(i);
         const auto seen = [&](const Result& r) {
@@ -308,7 +334,7 @@ SurfaceModel::SurfaceModel(const formats::BrdfTable& measurement, const std::str
   std::vector<Series> kept;
   for (std::size_t k = 0; k < all.size(); ++k) {
     const bool needless =
-        (!particles && (k == shadowing || k == contaminant_albedo)) || (whole.film && k == water);
+        (!particles && (k == shadowing || k == contaminant_albedo)) || (!wettable && k == water);
     const double size = (templates_[k].col(0).array() / sigma_.array()).matrix().norm();
     if (needless || !(size > 1e-6)) continue;
     effects_.push_back(all[k]);

@@ -29,7 +29,8 @@ struct SurfaceModelOptions {
 /// Base: `gain`, and `area_scale` (coverage over that of the scene) where it has particles; the
 /// linear mixture of bare ground and flat contaminant in single bounce. Effects:
 /// particle_shadowing (particles stand up: they hide and shade), multiple_scattering (between
-/// faces), water_film, contaminant_albedo, ground_albedo, near_specular_lobe.
+/// faces), water_film (where the scene has none and its models can be wet), contaminant_albedo,
+/// ground_albedo, near_specular_lobe.
 class SurfaceModel : public ForwardModel {
  public:
   /// `scene` is the text of a scene file, `name` stands in errors. Observations are the Mueller

@@ -1,5 +1,5 @@
 // A dirty surface against the mixture of its materials.
-#include "host/surface/mixture.hpp"
+#include "host/surface/mixture_run.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,7 @@
 
 #include "host/errors/error.hpp"
 #include "host/optics/angles.hpp"
+#include "host/surface/hidden_shares.hpp"
 
 namespace umov::surface {
 namespace {
@@ -37,17 +38,18 @@ TEST(HiddenShares, AreTheShadowsOfSpheres) {
   const Surface s = scene(spheres)({});
   trace::Request how;
   how.samples = 1 << 17;
-  const auto above = hidden_shares(s, 0.0, how);
+  const auto above = hidden_shares(scene(spheres), {}, 0.0, how, 0);
   ASSERT_EQ(above.size(), 1u);
   EXPECT_NEAR(above[0].mean, s.covered, 4.0 * above[0].error + 1e-4);
   // A disc of the sphere is seen from aside too: shadows grow as 1/cos θ until they meet others.
-  const auto aside = hidden_shares(s, 40.0, how);
+  const auto aside = hidden_shares(scene(spheres), {}, 40.0, how, 0);
   EXPECT_GT(aside[0].mean, s.covered);
   EXPECT_LT(aside[0].mean, s.covered / std::cos(radians(40.0)) + 4.0 * aside[0].error);
   Reading sparse;
   sparse.coverage_scale = 0.1;
   const Surface few = scene(spheres)(sparse);
-  EXPECT_NEAR(hidden_shares(few, 40.0, how)[0].mean, few.covered / std::cos(radians(40.0)), 0.002);
+  EXPECT_NEAR(hidden_shares(scene(spheres), sparse, 40.0, how, 0)[0].mean,
+              few.covered / std::cos(radians(40.0)), 0.002);
 }
 
 TEST(Mixture, OfBrightSpheresOnBlackIsFoundWithItsLaw) {

@@ -104,6 +104,23 @@ TEST(SceneFile, KeepsThePartsOfAMixtureApart) {
   EXPECT_THROW(part(Part::contaminant, 2), Error);
 }
 
+TEST(SceneFile, SaysWhichCellsARunStopsBy) {
+  const Stop median = surface(head + paint + "[stop]\ncell_relative_error = 0.03\n").stop;
+  EXPECT_EQ(median.cell_relative_error, 0.03);
+  EXPECT_EQ(median.cell_percentile, 50.0);
+  EXPECT_FALSE(median.cell_deg);
+  const std::string most = "[stop]\ncell_relative_error = 0.03\ncell_percentile = 90\n";
+  EXPECT_EQ(surface(head + paint + most).stop.cell_percentile, 90.0);
+  const std::string one = "[stop]\ncell_relative_error = 0.03\ncell_deg = [30, -90]\n";
+  const Stop named = surface(head + paint + one).stop;
+  EXPECT_EQ(*named.cell_deg, (std::array{30.0, -90.0}));
+  EXPECT_TRUE(has(refusal(head + paint + most + "cell_deg = [30, 0]\n"), "at most one"));
+  EXPECT_TRUE(has(refusal(head + paint + "[stop]\ncell_percentile = 90\n"), "but not how well"));
+  EXPECT_TRUE(
+      has(refusal(head + paint + "[stop]\ncell_relative_error = 0.03\ncell_deg = [95, 0]\n"),
+          "no direction"));
+}
+
 TEST(SceneFile, RefusesWhatCannotBeWithItsLine) {
   EXPECT_TRUE(has(refusal(head + paint + dirt + "coverage = 0.93\n"), "find no more room"));
   EXPECT_TRUE(has(refusal(head + paint + dirt + "coverage = 0.93\n"), "scene.toml:10"));

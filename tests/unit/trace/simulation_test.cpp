@@ -227,6 +227,54 @@ TEST(Simulation, StopsAtTheErrorAskedFor) {
   EXPECT_THROW(simulate(tracer, Hemisphere(3, 0, 0.0), request), Error);
 }
 
+TEST(Simulation, StopsAtTheErrorOfCellsAskedFor) {
+  const Scene scene = mixture();
+  const Geometry geometry(scene);
+  const PathTracer tracer(scene, geometry);
+  const Hemisphere hemisphere(3, 0, 0.0);
+  Request request;
+  request.block = 256;
+  request.samples = 10'000'000;
+  request.cells.relative_error = 0.03;
+  const auto shares_known = [&](const Result& result) {
+    double least = 1.0;
+    for (std::size_t w = 0; w < 2; ++w) {
+      double known = 0.0;
+      for (std::size_t cell = 0; cell < hemisphere.cells(); ++cell) {
+        const MuellerEstimate e = result.brdf(cell, w);
+        if (e.error[0][0] <= 0.03 * e.mean[0][0]) known += 1.0;
+      }
+      least = std::min(least, known / static_cast<double>(hemisphere.cells()));
+    }
+    return least;
+  };
+  const Result median = simulate(tracer, hemisphere, request);
+  EXPECT_GE(shares_known(median), 0.5);
+  EXPECT_LT(shares_known(median), 1.0);
+  request.cells.percentile = 100.0;
+  double done = 0.0;
+  request.progress = [&](const Progress& p) {
+    EXPECT_GE(p.done, 0.5 * done) << "errors fall as the root of the launches";
+    done = p.done;
+  };
+  const Result all = simulate(tracer, hemisphere, request);
+  EXPECT_EQ(shares_known(all), 1.0);
+  EXPECT_GT(all.samples(), median.samples());
+  EXPECT_EQ(done, 1.0);
+  request.progress = {};
+  request.cells.cell = 0;
+  const Result one = simulate(tracer, hemisphere, request);
+  EXPECT_LT(one.samples(), all.samples());
+  EXPECT_LE(one.brdf(0, 0).error[0][0], 0.03 * one.brdf(0, 0).mean[0][0]);
+  // Both goals must be met.
+  request.dhr_relative_error = 0.5 * one.dhr_relative_error();
+  EXPECT_GT(simulate(tracer, hemisphere, request).samples(), 2 * one.samples());
+  request.cells.cell = hemisphere.cells();
+  EXPECT_THROW(simulate(tracer, hemisphere, request), Error);
+  request.cells = {0.03, 0.0, {}};
+  EXPECT_THROW(simulate(tracer, hemisphere, request), Error);
+}
+
 // Directions between two polar angles and two azimuths.
 struct Bundle {
   double theta_low, theta_high, phi_low, phi_high;  // degrees
