@@ -17,8 +17,8 @@ inline constexpr std::uint32_t crawl_ticks = step_timer_hz / 50;
 /// Time the core takes to plan a stop while steps go on.
 inline constexpr std::uint32_t stop_planning_ticks = step_timer_hz / 2000;
 
-/// From a step that meets a limit switch until the axis slows down: a tick in which that is noticed,
-/// the time to plan, and as much again for a tick that comes late.
+/// From a step that meets a limit switch until the axis slows down: a tick in which that is
+/// noticed, half a millisecond to plan, and as much for a tick that comes late.
 inline constexpr std::uint64_t stop_delay_us = 2'000;
 
 inline constexpr std::uint32_t sample_rate_hz = 100'000;
