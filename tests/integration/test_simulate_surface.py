@@ -103,13 +103,15 @@ class SimulateSurface(UmovCase):
         scene = self.scene(PAINT + SOIL)
 
         def command(output):
-            return ["simulate", "surface", scene, "--mixture", "--coverage-factors", "0.5,1", "--theta-i", "0,60", "--samples", 4e5,
+            return ["simulate", "surface", scene, "--mixture", "--coverage-factors", "0.5,1", "--theta-i", "0,60", "--samples", 1e6,
                     "-o", output, "--quiet"]
 
+        start = time.monotonic()
         self.must(*command("whole.json"))
+        a_while = 0.4 * (time.monotonic() - start)
         running = subprocess.Popen([UMOV, *map(str, command("parts.json"))], cwd=self.folder, stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, text=True)
-        time.sleep(1.5)
+        time.sleep(a_while)
         stops = 0
         while running.poll() is None:
             running.send_signal(signal.SIGINT)
@@ -122,7 +124,7 @@ class SimulateSurface(UmovCase):
             stops += 1
             running = subprocess.Popen([UMOV, *map(str, command("parts.json")), "--resume"], cwd=self.folder, stdout=subprocess.PIPE,
                                        stderr=subprocess.PIPE, text=True)
-            time.sleep(1.5)
+            time.sleep(a_while)
         self.assertGreater(stops, 0)
         self.assertFalse((self.folder / "parts.json.state").exists())
         whole, parts = (json.loads((self.folder / name).read_text(encoding="utf-8")) for name in ("whole.json", "parts.json"))

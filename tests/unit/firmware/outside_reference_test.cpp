@@ -148,7 +148,8 @@ TEST(OutsideReference, ThatStopsIsOneNamedFaultAndTheRowIsMeasuredWhenItIsBack) 
   EXPECT_EQ(chopped.bench.heard.faults[0].fault,
             static_cast<std::uint8_t>(pr::Fault::reference_lost));
 
-  ASSERT_TRUE(chopped.bench.ask(pr::ClearFault{14}).has_value());
+  const auto lost = static_cast<std::uint8_t>(pr::Fault::reference_lost);
+  ASSERT_TRUE(chopped.bench.ask(pr::ClearFault{lost}).has_value());
   EXPECT_EQ(chopped.bench.refusal_of(pr::ProgramControl{1}), pr::Refusal::no_reference);
   chopped.world.chopper->stops_s = std::numeric_limits<double>::infinity();
   chopped.bench.board.run_for(5'000);
