@@ -159,6 +159,14 @@ Json gap_json(const gap::Diagnosis& d, const gap::GapBounds& bounds) {
                                      plain(100 * d.closed_fraction.hi, 3))}}}};
 }
 
+Json closed_fact(const gap::Diagnosis& d) {
+  const auto percent = [](double share) { return plain(100 * std::clamp(share, 0.0, 1.0), 3); };
+  const auto& closed = d.closed_fraction;
+  return {{"name", "closed"},
+          {"value", percent(closed.value) + " %"},
+          {"note", fmt::format("{} to {} % (95 %)", percent(closed.lo), percent(closed.hi))}};
+}
+
 Json next_json(const gap::Diagnosis& d) {
   Json out = Json::array();
   for (const gap::FurtherScan& s : d.next_scan) {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "host/errors/error.hpp"
@@ -35,12 +34,7 @@ Json facts(const DiagnosisInput& input) {
   Json out = Json::array({percent(explained ? "gap before" : "gap", bounds.before)});
   if (explained) {
     out.push_back(percent("gap after", bounds.after));
-    const double closed = std::clamp(d.closed_fraction.value, 0.0, 1.0);
-    out.push_back({{"name", "closed"},
-                   {"value", fmt::format("{:.0f} %", 100 * closed)},
-                   {"note", fmt::format("{:.0f} to {:.0f} % (95 %)",
-                                        100 * std::clamp(d.closed_fraction.lo, 0.0, 1.0),
-                                        100 * std::clamp(d.closed_fraction.hi, 0.0, 1.0))}});
+    out.push_back(closed_fact(d));
   }
   out.push_back({{"name", "records used"},
                  {"value", count(static_cast<long long>(input.source.used))},

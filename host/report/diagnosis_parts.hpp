@@ -52,6 +52,8 @@ Json causes_json(const gap::Diagnosis& diagnosis, const std::vector<gap::Effect>
                  const std::vector<gap::Alternative>& alternatives);
 /// {bars:[{name, g2, percent, …}], closed}
 Json gap_json(const gap::Diagnosis& diagnosis, const gap::GapBounds& bounds);
+/// A fact for the head of the page: the share of the gap that the causes close, with its interval.
+Json closed_fact(const gap::Diagnosis& diagnosis);
 /// [{menu, words, separates, separation, minutes}]
 Json next_json(const gap::Diagnosis& diagnosis);
 /// Rows of a table of cells.

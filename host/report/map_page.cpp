@@ -125,13 +125,7 @@ Json facts(const MapPageInput& input) {
   };
   likeness("NCC", p.before.ncc, p.after.ncc, "normalised cross-correlation");
   likeness("NRMSE", p.before.nrmse, p.after.nrmse, "rms difference over the largest value");
-  if (explained)
-    out.push_back(
-        {{"name", "closed"},
-         {"value", fmt::format("{:.0f} %", 100 * std::clamp(d.closed_fraction.value, 0.0, 1.0))},
-         {"note",
-          fmt::format("{:.0f} to {:.0f} % (95 %)", 100 * std::clamp(d.closed_fraction.lo, 0.0, 1.0),
-                      100 * std::clamp(d.closed_fraction.hi, 0.0, 1.0))}});
+  if (explained) out.push_back(closed_fact(d));
   out.push_back({{"name", "pixels used"},
                  {"value", count(static_cast<long long>(input.source.used))},
                  {"note", "of " + count(static_cast<long long>(input.source.records))}});
