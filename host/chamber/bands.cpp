@@ -48,6 +48,7 @@ Bands::Bands(std::vector<double> wavelengths_um) : wavelengths_um_(std::move(wav
       static_cast<int>(std::lround(1e3 * (visible_to_um - visible_from_um) / step_nm));
   for (int i = 0; i < steps; ++i) {
     const double um = visible_from_um + 1e-3 * step_nm * (i + 0.5);
+    if (size() > 1 && (um < wavelengths_um_.front() || um > wavelengths_um_.back())) continue;
     const double lumens = optics::luminous_efficacy_lm_w * luminous_efficiency(um) * step_nm;
     belongs(um, [&](std::size_t band, double share) { lumens_[band] += share * lumens; });
   }

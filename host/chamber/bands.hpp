@@ -7,8 +7,9 @@
 
 namespace umov::chamber {
 
-/// Spectra are taken as linear between the bands' wavelengths and constant beyond them. Spectral
-/// quantities are W/nm and so on, one number a band.
+/// Spectra are taken as linear between the bands' wavelengths. Light before the first and beyond
+/// the last does not count; a band alone stands for all light. Spectral quantities are W/nm and so
+/// on, one number a band.
 class Bands {
  public:
   static constexpr std::size_t most = 96;

@@ -96,11 +96,13 @@ double PlanesSurface::interpolated(const Vec3& from, const Vec3& to, double thet
   const double hy = (from.y + to.y) * scale;
   double x = -(hx * from.x + hy * from.y);
   double y = hx * from.y - hy * from.x;
+  double bent = from.z * y * y;
   if (!(from.x * from.x + from.y * from.y > 1e-24)) {
     x = hx;
     y = hy;
+    bent = 0.0;  // x and y are not scaled by a sine here
   }
-  const double along = x + from.z * y * y;
+  const double along = x + bent;
   const double squares = along * along + y * y;
   const double share = squares > 0.0 ? along * along / squares : 1.0;
   const double tangent = std::sqrt(hx * hx + hy * hy);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "host/errors/error.hpp"
 #include "host/formats/atomic_file.hpp"
 
 namespace umov::surface {
@@ -16,6 +17,8 @@ constexpr std::uint64_t fewest_lays = 16;
 constexpr std::uint64_t steps_a_launch = 10;
 // Share of the time of tracing that laying may take, where there are launches enough.
 constexpr double laying_share = 0.25;
+// Seeds that a lay may take one after the other.
+constexpr int most_tries = 20;
 
 }  // namespace
 
@@ -53,14 +56,20 @@ Lays::Lays(ReadSurface read, const Reading& reading)
       first_(std::make_shared<const Lay>(read_(reading))) {}
 
 std::shared_ptr<const trace::PathTracer> Lays::tracer(std::uint64_t number) const {
-  std::shared_ptr<const Lay> lay = first_;
-  if (number > 0) {
-    Reading reading = reading_;
-    reading.seed = lay_seed(reading_.seed, number);
-    reading.like = &first_->surface;
-    lay = std::make_shared<const Lay>(read_(reading));
+  if (number == 0) return {first_, &first_->tracer};
+  Reading reading = reading_;
+  reading.like = &first_->surface;
+  reading.seed = lay_seed(reading_.seed, number);
+  for (int tries = 1;; ++tries) {
+    try {
+      const auto lay = std::make_shared<const Lay>(read_(reading));
+      return {lay, &lay->tracer};
+    } catch (const Error&) {
+      // The first lay found room: so does this one, though not from every seed.
+      if (tries == most_tries) throw;
+      reading.seed = lay_seed(reading.seed, number);
+    }
   }
-  return {lay, &lay->tracer};
 }
 
 trace::Result Lays::simulate(const trace::Hemisphere& hemisphere, trace::Request request,

@@ -1,5 +1,6 @@
 #include "host/gap/chamber/chamber_model.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -13,6 +14,9 @@ namespace {
 /// How well a luminance camera's scale is known over that of the sources' flux, where both were
 /// calibrated with one lamp.
 constexpr double scale_u = 0.01;
+/// Relative error that a pixel has at least: rays to a source seen directly do not scatter, yet
+/// neither camera nor simulation is exact.
+constexpr double surest = 1e-4;
 
 }  // namespace
 
@@ -35,7 +39,8 @@ ChamberModel::ChamberModel(std::shared_ptr<const MapSignatures> signatures,
     const std::size_t x = pixel % measured.width;
     const std::size_t y = pixel / measured.width;
     observations_.value[i] = measured.luminance_cd_m2[pixel];
-    sigma_[i] = std::hypot(measured.luminance_se[pixel], s.se[i]);
+    const double brighter = std::max(measured.luminance_cd_m2[pixel], s.mean[i]);
+    sigma_[i] = std::max(std::hypot(measured.luminance_se[pixel], s.se[i]), surest * brighter);
     observations_.row.push_back(static_cast<int>(y));
     observations_.channel.push_back(0);
     observations_.axes[0].value.push_back(measured.pixel_mm * (static_cast<double>(x) + 0.5));

@@ -70,7 +70,7 @@ TEST(Bands, AreAsBrightAsTheEyeSeesThem) {
     EXPECT_NEAR(fine.lumens()[b], 683.0 * 5.0 * optics::luminous_efficiency(um[b]), 15.0) << b;
   }
   // ∫ V dλ = 106.857 nm (CIE 18.2), however it is cut.
-  for (const Bands& bands : {fine, Bands(red_to_blue), Bands({0.6})}) {
+  for (const Bands& bands : {fine, Bands({0.38, 0.45, 0.555, 0.61, 0.78}), Bands({0.6})}) {
     EXPECT_NEAR(bands.luminous(std::vector<double>(bands.size(), 1.0)), 683.0 * 106.857, 15.0);
   }
   // A line of 1 nm keeps its lumens in bands far wider.
@@ -79,6 +79,14 @@ TEST(Bands, AreAsBrightAsTheEyeSeesThem) {
   line[132] = 1.0;  // 532 nm
   EXPECT_NEAR(wide.luminous(wide.means(line)), 683.0 * optics::luminous_efficiency(0.532),
               0.01 * 683.0);
+  // So it does beside the first and the last band, where V goes on beyond them.
+  const Bands narrow({0.50, 0.55, 0.60});
+  for (const std::size_t nm : {2u, 50u, 98u}) {
+    std::vector<double> at(narrow.fine_um().size(), 0.0);
+    at[nm] = 1.0;
+    const double lumens = 683.0 * optics::luminous_efficiency(0.5 + 1e-3 * static_cast<double>(nm));
+    EXPECT_NEAR(narrow.luminous(narrow.means(at)) / lumens, 1.0, 0.02) << nm;
+  }
 }
 
 TEST(Bands, ThatCannotBeAreRefused) {

@@ -200,6 +200,14 @@ TEST(PlanesSurface, FollowsTheTableAndKeepsItsEnergyInBetween) {
   for (const double theta : {0.0, 5.0, 35.0, 52.0, 65.0, 75.0, 84.0}) {
     EXPECT_NEAR(surface.reflectance(theta), mcpet_total, 0.004) << theta;
   }
+  // Light from overhead is the limit of light from beside it.
+  for (const double theta : {10.0, 40.0, 70.0}) {
+    for (const double phi : {0.0, 30.0, 90.0, 200.0}) {
+      const double beside = fast.value(at(0.001), at(theta, phi));
+      EXPECT_NEAR(fast.value(at(0.0), at(theta, phi)), beside, 1e-3 * beside)
+          << theta << " " << phi;
+    }
+  }
   // As its planes stand, the row at 80° would give more than it gets; that is refused.
   const PlanesSurface bare(table, 0);
   for (const double theta : mcpet_theta_i_deg) {

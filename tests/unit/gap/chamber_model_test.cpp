@@ -87,6 +87,13 @@ TEST(ChamberModel, AMattSimulationOfAPlasticLacksItsLobe) {
   EXPECT_LT(misfit(foretold), 1.6);
   EXPECT_GT(misfit(signatures->mean), 5.0);
 
+  // Where neither has any scatter, as in a source seen directly, both are still not exact.
+  auto exact = std::make_shared<MapSignatures>(*signatures);
+  exact->se.setZero();
+  Map sure = measured(simulated, 98);
+  std::fill(sure.luminance_se.begin(), sure.luminance_se.end(), 0.0);
+  EXPECT_GT(ChamberModel(exact, sure).noise(signatures->mean).sigma.minCoeff(), 0.0);
+
   Map small = measured(simulated, 98);
   small.width = 3;
   EXPECT_NE(failure_of([&] { ChamberModel(signatures, small); }).find("same window"),

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host/errors/error.hpp"
 #include "host/optics/angles.hpp"
 #include "host/surface/mixture_run.hpp"
 #include "tests/unit/surface/plain_spheres.hpp"
@@ -74,6 +75,29 @@ TEST(Lays, AreManyWhereSomethingIsRandomAndLayingIsQuick) {
   const Surface slow = scene(fine)({});
   EXPECT_EQ(launches_a_lay(slow, 500'000), 0u) << "half a million faces each";
   EXPECT_GT(launches_a_lay(slow, 1'000'000'000), 4096u);
+}
+
+TEST(Lays, ThatFindNoRoomAreLaidAnew) {
+  // Crowded clusters, for whose last there is not always a place.
+  std::string crowded = few;
+  crowded.replace(crowded.find("coverage = 0.2"), 14, "coverage = 0.5");
+  const ReadSurface read = scene(crowded);
+  std::uint64_t seed = 1;
+  const auto finds_room = [&](std::uint64_t s) {
+    try {
+      read({.seed = s});
+      return true;
+    } catch (const Error&) {
+      return false;
+    }
+  };
+  while (!finds_room(seed)) ++seed;
+  int without = 0;
+  for (std::uint64_t number = 1; number < 32; ++number) {
+    if (!finds_room(lay_seed(seed, number))) ++without;
+  }
+  EXPECT_GT(without, 0) << "else this tests nothing";
+  EXPECT_EQ(run(crowded, seed, 3200, 100).blocks(), 32u);
 }
 
 TEST(Lays, OfASurfaceWithoutAnythingRandomAreOne) {
