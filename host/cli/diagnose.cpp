@@ -52,7 +52,8 @@ std::string sample_of(const formats::ScanTable& scan) {
 /// What only a gonioreflectometer's scan has was asked for of something else.
 bool asks_of_a_scan(const Arguments& a) {
   return !a.next.empty() || !a.known.calibration.empty() || !a.known.tolerances.empty() ||
-         !a.known.fit.empty() || a.known.hold || !a.follow_up.device.empty();
+         !a.known.fit.empty() || a.known.hold || !a.follow_up.device.empty() ||
+         a.options.model.model != gap::scan::ScanModelOptions{}.model;
 }
 
 void run_luminaire(const Arguments& a, const Common& common) {
@@ -71,7 +72,8 @@ void run(Arguments& a, const Common& common) {
     throw Error("no scan was named",
                 "umov diagnose scan.h5; `umov diagnose --effects` lists effects");
   if (!a.surface.empty()) {
-    if (a.scans.size() > 1 || !a.next.empty() || !a.report.empty())
+    if (a.scans.size() > 1 || asks_of_a_scan(a) || !a.report.empty() || a.quick ||
+        !a.options.without.empty())
       throw Error("--surface goes with one brdf.h5 and --json only",
                   "umov diagnose brdf.h5 --surface scene.toml --json diagnosis.json");
     return diagnose_surface(a.scans[0], a.surface, a.json, common);

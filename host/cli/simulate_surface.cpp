@@ -299,9 +299,9 @@ void add_simulate_surface(CLI::App& simulate, const Common& common) {
       ->add_option("--theta-i", options->theta_i_deg,
                    "angles of incidence in degrees; else those of the scene, else 0")
       ->delimiter(',');
-  command->add_option(
-      "--samples", options->samples,
-      "launches at most, an angle; 1e6 where neither the scene nor another option ends the run");
+  command->add_option("--samples", options->samples,
+                      "launches at most, an angle, rounded up to sixteen lays or blocks; 1e6 where "
+                      "neither the scene nor another option ends the run");
   command
       ->add_option("--relative-error", options->relative_error_percent,
                    "stop when the DHR of every wavelength is known to so many percent (1 sigma); "
