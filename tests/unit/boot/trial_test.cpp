@@ -13,6 +13,7 @@
 namespace umov {
 namespace {
 
+namespace dfu = protocol::dfu;
 using boot_place = firmware::boot::Place;
 using firmware::boot::Note;
 using firmware::boot::Notes;
@@ -178,6 +179,14 @@ TEST_F(OnTrial, WithNothingToGoBackToTheBootLoaderWaitsAndSaysWhy) {
   {
     DfuBench bench(flash_, trust_, Reason::failed_trial);
     EXPECT_THAT(instrument::dfu_trouble(bench), testing::HasSubstr("failed its trial"));
+    EXPECT_FALSE(bench.write(dfu::detach, 0, {}));
+    EXPECT_FALSE(bench.write(dfu::abort, 0, {}));
+    EXPECT_FALSE(bench.write(dfu::download, 0, std::span(new_).first(64)));
+    EXPECT_FALSE(bench.read(dfu::upload, 0, 64).good);
+    EXPECT_FALSE(bench.read(77, 0, 64).good);
+    EXPECT_FALSE(bench.device.leaving());
+    EXPECT_THAT(instrument::dfu_trouble(bench), testing::HasSubstr("failed its trial"))
+        << "whatever it was asked for";
     instrument::make_dfu_idle(bench);
     EXPECT_EQ(instrument::dfu_trouble(bench), "") << "an update is under way";
     EXPECT_EQ(instrument::dfu_upload(bench), new_) << "what failed can be looked at";
