@@ -213,6 +213,36 @@ TEST_F(TrialOnTheBoard, AnImageProvesItselfByAHostAndTenSecondsAndIsKeptFromThen
   EXPECT_TRUE(holds(running, image_of(next_version_).bytes));
 }
 
+TEST_F(TrialOnTheBoard, AProofThatFlashDoesNotTakeIsAFaultOnceAStart) {
+  install(image_of(next_version_).bytes);
+  constexpr std::uint32_t sector_of_running = 1u << 5;
+  board_.chip().protect_flash(sector_of_running);
+  constexpr auto internal = static_cast<std::uint8_t>(Fault::internal);
+  for (int start = 0; start < 2; ++start) {
+    wait_for_usb();
+    instrument::Session session(test::connect(board_));
+    EXPECT_EQ(session.request(protocol::GetStatus{}).fault, 0);
+    board_.run_for(11'000'000);
+    EXPECT_EQ(session.request(protocol::GetStatus{}).fault, internal) << start;
+    const auto entry = newest_log(session);
+    EXPECT_EQ(entry.fault, internal);
+    EXPECT_EQ(entry.boot_id, session.device().boot_id);
+    EXPECT_THAT(instrument::fault_detail(entry.fault, entry.detail), HasSubstr("stays on trial"));
+    session.request(protocol::ClearFault{internal});
+    board_.run_for(1'000'000);
+    EXPECT_EQ(session.request(protocol::GetStatus{}).fault, 0);
+    EXPECT_TRUE(trial_.open());
+    board_.reset(mcu::ResetSource::power_on);
+  }
+  board_.chip().protect_flash(0);
+  wait_for_usb();
+  instrument::Session session(test::connect(board_));
+  session.request(protocol::GetStatus{});
+  board_.run_for(11'000'000);
+  EXPECT_EQ(session.request(protocol::GetStatus{}).fault, 0);
+  EXPECT_FALSE(trial_.open());
+}
+
 TEST_F(TrialOnTheBoard, AHostAloneDoesNotProveAnImageThatHangsSoonAfter) {
   install(image_of(next_version_).bytes);
   for (std::uint32_t start = 0; start < 3; ++start) {
