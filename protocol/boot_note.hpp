@@ -1,4 +1,5 @@
-// What the boot loader lets the user know: the detail of the faults rolled_back and no_fallback.
+// What the user should know of the image that runs: the detail of the faults rolled_back,
+// no_fallback, and internal where it is no address.
 // Freestanding C++20, no heap.
 #pragma once
 
@@ -32,5 +33,9 @@ constexpr std::uint32_t roll_back_version(std::int32_t detail) {
 
 /// Detail of no_fallback: nothing can be put back, or only an image older than the one replaced.
 inline constexpr std::int32_t none_to_fall_back_to = 0, only_an_older_one = 1;
+
+/// Detail of internal: the image on trial has proved itself, and its flash does not take the note
+/// of that. Odd, as no address of an instruction is.
+inline constexpr std::int32_t trial_not_confirmed = 1;
 
 }  // namespace umov::protocol

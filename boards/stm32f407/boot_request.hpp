@@ -13,7 +13,7 @@ namespace umov::boards::stm32f407 {
 enum class BootRequest : std::uint32_t {
   none = 0,
   update = 0x2155'4644,   ///< stay in the boot loader, a host wants to update
-  started = 0x2154'5241,  ///< the boot loader has been left: an ordinary start
+  started = 0x2154'5241,  ///< the reset came from within the boot loader: an ordinary start
 };
 
 struct BootWords {
@@ -24,9 +24,14 @@ inline BootWords& boot_words() {
   return at<BootWords>(memory_map::sram + 128 * 1024 - 16);
 }
 
-[[noreturn]] inline void reset_with(BootRequest request) {
+/// What the boot loader finds when the next reset comes, whatever its cause.
+inline void leave_boot_request(BootRequest request) {
   boot_words().request = static_cast<std::uint32_t>(request);
   boot_words().inverted = ~static_cast<std::uint32_t>(request);
+}
+
+[[noreturn]] inline void reset_with(BootRequest request) {
+  leave_boot_request(request);
   asm volatile("dsb" : : : "memory");
   constexpr std::uint32_t key = 0x05FA'0000, system_reset = 1u << 2;
   scb().AIRCR = key | system_reset;

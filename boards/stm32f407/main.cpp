@@ -23,6 +23,7 @@
 #include "firmware/boot/trial.hpp"
 #include "firmware/core/controller.hpp"
 #include "firmware/source_hash.hpp"
+#include "protocol/boot_note.hpp"
 
 namespace umov::boards::stm32f407 {
 namespace {
@@ -120,12 +121,14 @@ void tell_boot_notes() {
 
 /// The image proves itself when a host has had answers from it, by which it can be replaced again,
 /// and its main loop has gone round for ten seconds. An image that merely runs, and that nobody can
-/// reach, is no better than one that hangs.
+/// reach, is no better than one that hangs. Where flash does not take the note, the image stays on
+/// trial: that is a fault, once a start.
 void end_trial() {
   constexpr std::uint64_t long_enough_us = 10'000'000;
   if (!on_trial || !controller->host_answered() || board.time_us() < long_enough_us) return;
   on_trial = false;
-  trial.confirm();
+  if (trial.confirm()) return;
+  controller->on_boot_note(protocol::Fault::internal, protocol::trial_not_confirmed);
 }
 
 }  // namespace

@@ -18,8 +18,9 @@ constexpr std::uint32_t erase_ms = 1000, block_ms = 5, verify_ms = 100;
 }  // namespace
 
 ControlAnswer DfuTarget::refuse() {
-  // What is being written or installed is not to be stopped half-way, whatever a host asks for.
-  if (working_) return ControlAnswer::refuse();
+  // What is being written or installed is not to be stopped half-way, whatever a host asks for; and
+  // an error stays what it is until it is cleared (DFU 1.1, A.2.11): its reason is yet to be read.
+  if (working_ || state_ == State::error) return ControlAnswer::refuse();
   fail(Status::stalled_packet, Reason::none);
   return ControlAnswer::refuse();
 }

@@ -58,7 +58,9 @@ bool Installer::begin(bool verified) {
              !same(Place::running, Place::previous)) {
     stage_ = Stage::erase_previous;
   } else {
-    stage_ = Stage::erase_running;
+    // An erasure cut short may clear the trial's mark and leave the image: what has not proved
+    // itself would then count as proven.
+    stage_ = trial_.open() ? Stage::spoil_running : Stage::erase_running;
   }
   return true;
 }

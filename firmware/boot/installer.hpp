@@ -19,13 +19,15 @@ namespace umov::firmware::boot {
 ///   1. running is good, not on trial and not yet the new one: copy it to `previous` (unless it
 ///      lies there). Where that place fails, the update goes on without: kept() is false then and
 ///      a note is left;
-///   2. erase running, put what comes there on trial, copy staged there;
+///   2. erase running (its header spoilt first if it is on trial), put what comes there on trial,
+///      copy staged there;
 ///   3. they are equal: clear the mark.
 ///
 /// Cut anywhere, the next start begins at the first step that is not done. Running is erased only
 /// when the staged image is whole and marked, or the previous one is good. To bring that one back,
-/// the running image's header is spoilt first: a start after a power cut then finds no image there,
-/// however much of it an erasure has left, and begins to put the previous one back again.
+/// and over an image on trial, the running image's header is spoilt first: a start after a power
+/// cut then finds no image there, however much of it and of its trial's marks an erasure has left,
+/// and begins to put the other one there again.
 class Installer {
  public:
   Installer(Flash& flash, const Trust& trust) : flash_(&flash), trust_(&trust), trial_(flash) {}

@@ -65,7 +65,8 @@ class Controller {
   void on_overheat();
   void on_low_supply();
 
-  /// The boot loader has done something that the user should know of. Once, after start().
+  /// The user should know of something about the image that runs: what the boot loader has done
+  /// with it, or that its trial cannot end. Once each, after start(), main loop.
   void on_boot_note(protocol::Fault fault, std::int32_t detail) { raise(fault, detail); }
   /// A host has asked for something in a session since the start: it had the answer to its hello.
   bool host_answered() const { return host_answered_; }

@@ -179,6 +179,10 @@ std::string fault_detail(std::uint8_t fault, std::int32_t detail) {
     case protocol::Fault::no_fallback:
       return detail == protocol::only_an_older_one ? "only an older image could be put back"
                                                    : "nothing could be put back";
+    case protocol::Fault::internal:
+      return detail == protocol::trial_not_confirmed ? "the image has proved itself, but flash "
+                                                       "does not take the note: it stays on trial"
+                                                     : std::to_string(detail);
     default:
       return std::to_string(detail);
   }

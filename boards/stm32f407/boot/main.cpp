@@ -43,11 +43,12 @@ void start_clock_of_usb() {
   tim5().CR1 = URS | CEN;
 }
 
-/// Every reset pulls the reset line, too: it was the cause where nothing else was.
+/// Every reset pulls the reset line, too: it was the cause where nothing else was. A request may
+/// outlive a sag of the supply.
 Restart why_restarted(BootRequest request, std::uint32_t flags) {
   using namespace rcc_bits;
-  if (request != BootRequest::none) return Restart::asked;
   if ((flags & (PORRSTF | BORRSTF)) != 0) return Restart::power;
+  if (request != BootRequest::none) return Restart::asked;
   if ((flags & IWDGRSTF) != 0) return Restart::watchdog;
   if ((flags & SFTRSTF) != 0) return Restart::crash;
   return Restart::button;
@@ -69,9 +70,10 @@ Reason why_here(Start start) {
 
 /// The program finds the chip as after a reset, but for its memory: on the internal oscillator,
 /// with the blocks it is going to switch on still off. Only the watchdog runs, for a program that
-/// hangs before it has started its own.
+/// hangs before it has started its own. From here on a reset is the program's.
 [[noreturn]] void start_program() {
   stop_clocks();
+  leave_boot_request(BootRequest::none);
   watch_start();
   const auto* vectors = reinterpret_cast<const volatile std::uint32_t*>(
       image_area.address + protocol::ImageHeader::bytes);
@@ -105,6 +107,8 @@ Reason why_here(Start start) {
 int main() {
   using namespace umov::boards::stm32f407;
   const BootRequest request = take_boot_request();
+  // A reset from here on, by the button for one, says nothing of an image that has not run.
+  leave_boot_request(BootRequest::started);
   const std::uint32_t flags = rcc().CSR;
   set_bits(rcc().CSR, rcc_bits::RMVF);
   const Restart why = why_restarted(request, flags);

@@ -13,6 +13,7 @@
 namespace umov {
 namespace {
 
+namespace dfu = protocol::dfu;
 using boot_place = firmware::boot::Place;
 using firmware::boot::Note;
 using firmware::boot::Notes;
@@ -44,6 +45,21 @@ class OnTrial : public testing::Test {
   void install(RamFlash& flash, const Bytes& image, Reason why = Reason::none) {
     DfuBench bench(flash, trust_, why);
     instrument::dfu_download(bench, image);
+  }
+  /// The update that is cut off when so many bytes have been written, and the start after it; what
+  /// that start says. An erasure clears its last half first, where the trial's marks lie.
+  Start install_cut(RamFlash& flash, const Bytes& image, std::size_t cut, Reason why) {
+    flash.cut_erases_front = false;
+    flash.bytes_left = cut;
+    EXPECT_THROW(install(flash, image, why), test::PowerCut);
+    flash.bytes_left.reset();
+    return start(flash, Restart::power);
+  }
+  /// Bytes that an update writes, erasures included.
+  std::size_t cost_of(RamFlash flash, const Bytes& image, Reason why) {
+    flash.written = 0;
+    install(flash, image, why);
+    return flash.written;
   }
   Start start(RamFlash& flash, Restart why) { return make_runnable(flash, trust_, why).start; }
   void fail_starts(RamFlash& flash, int count, Restart why = Restart::watchdog) {
@@ -163,6 +179,14 @@ TEST_F(OnTrial, WithNothingToGoBackToTheBootLoaderWaitsAndSaysWhy) {
   {
     DfuBench bench(flash_, trust_, Reason::failed_trial);
     EXPECT_THAT(instrument::dfu_trouble(bench), testing::HasSubstr("failed its trial"));
+    EXPECT_FALSE(bench.write(dfu::detach, 0, {}));
+    EXPECT_FALSE(bench.write(dfu::abort, 0, {}));
+    EXPECT_FALSE(bench.write(dfu::download, 0, std::span(new_).first(64)));
+    EXPECT_FALSE(bench.read(dfu::upload, 0, 64).good);
+    EXPECT_FALSE(bench.read(77, 0, 64).good);
+    EXPECT_FALSE(bench.device.leaving());
+    EXPECT_THAT(instrument::dfu_trouble(bench), testing::HasSubstr("failed its trial"))
+        << "whatever it was asked for";
     instrument::make_dfu_idle(bench);
     EXPECT_EQ(instrument::dfu_trouble(bench), "") << "an update is under way";
     EXPECT_EQ(instrument::dfu_upload(bench), new_) << "what failed can be looked at";
@@ -239,6 +263,50 @@ TEST_F(OnTrial, ARollBackCutOverAndOverStillEnds) {
   ASSERT_EQ(start(flash_, Restart::power), Start::program);
   EXPECT_TRUE(flash_.holds(boot_place::running, old_));
   EXPECT_TRUE(Notes(flash_).waits(Fault::rolled_back));
+}
+
+TEST_F(OnTrial, AnotherUpdateCutAnywhereNeverTakesTheImageOnTrialForAProvenOne) {
+  const Bytes third = make_image(v3, program_bytes, keys_);
+  fail_starts(flash_, 2);
+  int news = 0, thirds = 0;
+  const std::size_t total = cost_of(flash_, third, Reason::none);
+  for (std::size_t cut = 0; cut < total; cut += 61) {
+    RamFlash flash = flash_;
+    ASSERT_EQ(install_cut(flash, third, cut, Reason::none), Start::program) << "cut at " << cut;
+    const bool come = flash.holds(boot_place::running, third);
+    ASSERT_TRUE(come || flash.holds(boot_place::running, new_)) << "cut at " << cut;
+    (come ? thirds : news) += 1;
+    ASSERT_TRUE(Trial(flash).open()) << "cut at " << cut;
+    EXPECT_EQ(Trial(flash).failures(), come ? 0u : 2u) << "cut at " << cut;
+    ASSERT_TRUE(flash.holds(boot_place::previous, old_)) << "cut at " << cut;
+    fail_starts(flash, 3);
+    ASSERT_TRUE(flash.holds(boot_place::running, old_)) << "cut at " << cut;
+  }
+  EXPECT_GE(news, 40);
+  EXPECT_GE(thirds, 40);
+}
+
+TEST_F(OnTrial, TheFailedImageSentAgainAndCutAnywhereHasFailedOrIsOnTrialAnew) {
+  flash_.at(boot_place::previous)[700] ^= 1;
+  fail_starts(flash_, 3);
+  int failed = 0, anew = 0;
+  const std::size_t total = cost_of(flash_, new_, Reason::failed_trial);
+  for (std::size_t cut = 0; cut < total; cut += 61) {
+    RamFlash flash = flash_;
+    const Start after = install_cut(flash, new_, cut, Reason::failed_trial);
+    ASSERT_TRUE(flash.holds(boot_place::running, new_)) << "cut at " << cut;
+    ASSERT_TRUE(Trial(flash).open()) << "cut at " << cut;
+    const bool again = after == Start::program;
+    (again ? anew : failed) += 1;
+    EXPECT_EQ(Trial(flash).failures(), again ? 0u : Trial::most_failures) << "cut at " << cut;
+    if (!again) {
+      EXPECT_EQ(after, Start::failed_trial) << "cut at " << cut;
+    }
+    fail_starts(flash, 3);
+    EXPECT_EQ(start(flash, Restart::power), Start::failed_trial) << "cut at " << cut;
+  }
+  EXPECT_GE(failed, 40);
+  EXPECT_GE(anew, 40);
 }
 
 TEST_F(OnTrial, NotesAreToldInTurnOnceEachAndATornOneIsPassedOver) {

@@ -96,6 +96,10 @@ TEST(Refusals, ARollBackIsToldWithVersionAndReason) {
             "image 1.0.0 failed its trial: it was reset by hand");
   EXPECT_EQ(text_of(RollBackReason::damaged, 0), "image failed its check at a start");
   EXPECT_EQ(fault_detail(static_cast<std::uint8_t>(protocol::Fault::stall), 3), "3");
+  constexpr auto internal = static_cast<std::uint8_t>(protocol::Fault::internal);
+  EXPECT_EQ(fault_detail(internal, 0x0802'1234), "134353460") << "where a processor fault was";
+  EXPECT_EQ(fault_detail(internal, protocol::trial_not_confirmed),
+            "the image has proved itself, but flash does not take the note: it stays on trial");
 }
 
 TEST(Refusals, EveryRefusalIsPutIntoWords) {

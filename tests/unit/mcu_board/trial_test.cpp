@@ -94,6 +94,11 @@ class TrialOnTheBoard : public test::BoardWithBootLoader {
     ASSERT_TRUE(trial_.begin());
     board_.reset(mcu::ResetSource::power_on);
   }
+  void press_reset_button() {
+    board_.chip().set_nrst(false);
+    board_.run_for(1'000);
+    board_.chip().set_nrst(true);
+  }
   /// Lets time pass until something shows itself on USB; seconds that went by, 60 if nothing did.
   double wait_for_usb() {
     const std::uint64_t begin_us = board_.now_us();
@@ -161,12 +166,33 @@ TEST_F(TrialOnTheBoard, OneThatNoHostReachesGivesWayToThreePressesOfTheResetButt
   for (int press = 0; press < 3; ++press) {
     EXPECT_LT(wait_for_usb(), 1);
     EXPECT_FALSE(holds(running, old_.bytes)) << press;
-    board_.chip().set_nrst(false);
-    board_.run_for(1'000);
-    board_.chip().set_nrst(true);
+    press_reset_button();
   }
   wait_for_usb();
   expect_rolled_back("reset by hand");
+}
+
+TEST_F(TrialOnTheBoard, PressesOfTheResetButtonInTheBootLoaderSayNothingOfTheImage) {
+  install(image_of(next_version_).bytes);
+  for (int press = 0; press < 4; ++press) {
+    board_.reset(mcu::ResetSource::power_on);
+    board_.run_for(5'000);
+    ASSERT_FALSE(board_.usb_connected()) << "the image is being checked";
+    press_reset_button();
+    EXPECT_LT(wait_for_usb(), 1);
+    EXPECT_EQ(trial_.failures(), 0u) << press;
+  }
+  for (int press = 0; press < 4; ++press) {
+    detach();
+    press_reset_button();
+    EXPECT_EQ(trial_.failures(), 0u) << press;
+  }
+  ASSERT_EQ(plug_in(board_), protocol::usb::product_id);
+  EXPECT_EQ(trial_.failures(), 0u);
+  EXPECT_TRUE(holds(running, image_of(next_version_).bytes));
+  press_reset_button();
+  wait_for_usb();
+  EXPECT_EQ(trial_.failures(), 1u) << "in the program it counts";
 }
 
 TEST_F(TrialOnTheBoard, AnImageProvesItselfByAHostAndTenSecondsAndIsKeptFromThenOn) {
@@ -185,6 +211,36 @@ TEST_F(TrialOnTheBoard, AnImageProvesItselfByAHostAndTenSecondsAndIsKeptFromThen
   }
   EXPECT_EQ(board_.chip().watchdog_resets(), 4u);
   EXPECT_TRUE(holds(running, image_of(next_version_).bytes));
+}
+
+TEST_F(TrialOnTheBoard, AProofThatFlashDoesNotTakeIsAFaultOnceAStart) {
+  install(image_of(next_version_).bytes);
+  constexpr std::uint32_t sector_of_running = 1u << 5;
+  board_.chip().protect_flash(sector_of_running);
+  constexpr auto internal = static_cast<std::uint8_t>(Fault::internal);
+  for (int start = 0; start < 2; ++start) {
+    wait_for_usb();
+    instrument::Session session(test::connect(board_));
+    EXPECT_EQ(session.request(protocol::GetStatus{}).fault, 0);
+    board_.run_for(11'000'000);
+    EXPECT_EQ(session.request(protocol::GetStatus{}).fault, internal) << start;
+    const auto entry = newest_log(session);
+    EXPECT_EQ(entry.fault, internal);
+    EXPECT_EQ(entry.boot_id, session.device().boot_id);
+    EXPECT_THAT(instrument::fault_detail(entry.fault, entry.detail), HasSubstr("stays on trial"));
+    session.request(protocol::ClearFault{internal});
+    board_.run_for(1'000'000);
+    EXPECT_EQ(session.request(protocol::GetStatus{}).fault, 0);
+    EXPECT_TRUE(trial_.open());
+    board_.reset(mcu::ResetSource::power_on);
+  }
+  board_.chip().protect_flash(0);
+  wait_for_usb();
+  instrument::Session session(test::connect(board_));
+  session.request(protocol::GetStatus{});
+  board_.run_for(11'000'000);
+  EXPECT_EQ(session.request(protocol::GetStatus{}).fault, 0);
+  EXPECT_FALSE(trial_.open());
 }
 
 TEST_F(TrialOnTheBoard, AHostAloneDoesNotProveAnImageThatHangsSoonAfter) {
