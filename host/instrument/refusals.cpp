@@ -99,6 +99,14 @@ std::string_view reference_problem(std::int32_t state) {
   }
 }
 
+/// What came in when a fault was raised for it; `locked` where the reference was back already.
+std::string lost_reference_text(std::int32_t state) {
+  if (state == static_cast<std::int32_t>(protocol::ReferenceState::locked)) {
+    return "it was away for a moment and came back";
+  }
+  return std::string(reference_problem(state));
+}
+
 struct RefusalText {
   std::string problem;
   std::string remedy;
@@ -179,6 +187,8 @@ std::string fault_detail(std::uint8_t fault, std::int32_t detail) {
     case protocol::Fault::no_fallback:
       return detail == protocol::only_an_older_one ? "only an older image could be put back"
                                                    : "nothing could be put back";
+    case protocol::Fault::reference_lost:
+      return lost_reference_text(detail);
     default:
       return std::to_string(detail);
   }
