@@ -42,8 +42,8 @@ class ReferenceLock {
   static constexpr std::uint32_t short_memory = 12;
   /// Locked after so many edges in a row, each where it was predicted within 1/32 of a period.
   static constexpr std::uint32_t lock_edges = 10;
-  /// An edge further off than 1/8 of a period is no edge of this reference. So many in a row, or so
-  /// many periods without any, and the lock is lost.
+  /// An edge further off than 1/8 of a period is no edge of this reference. The lock outlasts so
+  /// many in a row and is lost at the next, or after more than so many periods without any.
   static constexpr std::uint32_t strays_allowed = 3;
   static constexpr std::uint32_t periods_allowed = 4;
 
