@@ -483,7 +483,8 @@ struct FaultEvent {
       field("time_us", &FaultEvent::time_us, "us", "device time"),
       field("fault", &FaultEvent::fault, "enum Fault", "which"),
       field("detail", &FaultEvent::detail, "1",
-            "axis or row it concerns, -1 = none; of rolled_back and no_fallback: boot_note.hpp")};
+            "axis or row it concerns, -1 = none; of reference_lost: enum ReferenceState, what came "
+            "in; of rolled_back, no_fallback and internal: boot_note.hpp")};
 };
 
 struct ReadLog {
@@ -509,7 +510,8 @@ struct LogEntry {
       field("boot_id", &LogEntry::boot_id, "1", "boot it happened in"),
       field("fault", &LogEntry::fault, "enum Fault", "which"),
       field("detail", &LogEntry::detail, "1",
-            "axis or row it concerns, -1 = none; of rolled_back and no_fallback: boot_note.hpp")};
+            "axis or row it concerns, -1 = none; of reference_lost: enum ReferenceState, what came "
+            "in; of rolled_back, no_fallback and internal: boot_note.hpp")};
 };
 
 struct Busy {

@@ -99,6 +99,14 @@ std::string_view reference_problem(std::int32_t state) {
   }
 }
 
+/// What came in when a fault was raised for it; `locked` where the reference was back already.
+std::string lost_reference_text(std::int32_t state) {
+  if (state == static_cast<std::int32_t>(protocol::ReferenceState::locked)) {
+    return "it was away for a moment and came back";
+  }
+  return std::string(reference_problem(state));
+}
+
 struct RefusalText {
   std::string problem;
   std::string remedy;
@@ -183,6 +191,8 @@ std::string fault_detail(std::uint8_t fault, std::int32_t detail) {
       return detail == protocol::trial_not_confirmed ? "the image has proved itself, but flash "
                                                        "does not take the note: it stays on trial"
                                                      : std::to_string(detail);
+    case protocol::Fault::reference_lost:
+      return lost_reference_text(detail);
     default:
       return std::to_string(detail);
   }

@@ -1,6 +1,7 @@
 // Long runs of the controller: steps lost or doubled, ways beyond a limit switch, records over a
 // bad link, the integrator against a wider one, payload over USB. Markdown on stdout; exit 1 where
 // a count is wrong.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -16,6 +17,7 @@
 #include "firmware/core/motion/stopping_distance.hpp"
 #include "hil/mcu/board/mcu_board.hpp"
 #include "host/instrument/program_stream.hpp"
+#include "tests/unit/firmware/acceleration_end.hpp"
 #include "tests/unit/instrument/simulated_link.hpp"
 #include "tests/unit/mcu_board/noisy_stages.hpp"
 #include "tests/unit/mcu_board/scan_run.hpp"
@@ -111,7 +113,8 @@ void count_steps(const std::string& image, double wanted) {
       Rig::name, steps, moves, stops);
 }
 
-/// Ways beyond a limit switch that is met at full speed, as shares of the stopping distance.
+/// Ways beyond a limit switch that is met where the acceleration ends, as shares of the stopping
+/// distance.
 template <class Rig>
 void run_into_limits(const std::string& image, int times) {
   Rig rig(image);
@@ -127,18 +130,19 @@ void run_into_limits(const std::string& image, int times) {
     const double speed = within(10, 100), acceleration = within(200, 1200),
                  jerk = within(4'000, 24'000);
     set_axis(session, 1, speed, acceleration, jerk);
-    // Far enough to be at full speed.
-    rig.stages().upper = 45'000 + static_cast<std::int32_t>(random() % 5'000);
+    firmware::AxisSettings axis = firmware::default_axes[1];
+    axis.speed_mdeg_s = static_cast<std::uint32_t>(1000 * speed);
+    axis.acceleration_mdeg_s2 = static_cast<std::uint32_t>(1000 * acceleration);
+    axis.jerk_mdeg_s3 = static_cast<std::uint32_t>(1000 * jerk);
+    // Up to 2 ms before the acceleration ends.
+    const auto early = static_cast<std::int32_t>(within(0, 2) * speed);
+    rig.stages().upper = std::max(1, test::acceleration_end(axis, 85'000) - early);
     session.request(protocol::Move{.axis = 1, .target_udeg = 85'000'000});
     wait_until_at_rest(session);
     rig.run_for(2'000'000);
     const auto status = session.request(protocol::GetStatus{});
     require(status.fault == limit, "no limit was met");
     const double way = 1e-3 * (rig.stages().position[1] - rig.stages().upper);
-    firmware::AxisSettings axis = firmware::default_axes[1];
-    axis.speed_mdeg_s = static_cast<std::uint32_t>(1000 * speed);
-    axis.acceleration_mdeg_s2 = static_cast<std::uint32_t>(1000 * acceleration);
-    axis.jerk_mdeg_s3 = static_cast<std::uint32_t>(1000 * jerk);
     const double allowed = 1e-6 * static_cast<double>(firmware::stopping_distance_udeg(axis));
     require(way <= allowed, "the way beyond a limit");
     require(status.position_udeg[1] == rig.stages().position[1] * 1000, "position at a limit");
@@ -151,7 +155,8 @@ void run_into_limits(const std::string& image, int times) {
     wait_until_at_rest(session);
   }
   std::printf(
-      "| limit switches met at speed, %s | %d, 10 to 100 °/s, 200 to 1,200 °/s², 4,000 to "
+      "| limit switches met at the end of the acceleration, %s | %d, 10 to 100 °/s, 200 to 1,200 "
+      "°/s², 4,000 to "
       "24,000 °/s³ | way beyond at most %.3f of the stopping distance (longest %.2f°), position "
       "right |\n",
       Rig::name, times, worst, longest);

@@ -53,8 +53,10 @@ struct OutsideReference {
     const double edge = edge_s(number);
     return edge < stops_s ? edge : std::numeric_limits<double>::infinity();
   }
-  /// -1 to 1.
-  double light(double time_s) const { return std::sin(2 * std::numbers::pi * turns(time_s)); }
+  /// -1 to 1; where the chopper has stopped it stays.
+  double light(double time_s) const {
+    return std::sin(2 * std::numbers::pi * turns(std::min(time_s, stops_s)));
+  }
 };
 
 }  // namespace umov::test

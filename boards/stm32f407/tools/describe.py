@@ -116,8 +116,11 @@ def steps_per_turn(axis):
 def stopping_deg(axis):
     """Way beyond a limit switch, as firmware/core/motion/stopping_distance.hpp has it (a test compares the two)."""
     v, a, j = (float(axis[key]) for key in ("speed_deg_s", "acceleration_deg_s2", "jerk_deg_s3"))
-    ramp = v * v / (2 * a) + v * a / (2 * j) if v * j >= a * a else v * (v / j) ** 0.5
-    return ramp + v * STOP_DELAY_S + 360 / steps_per_turn(axis)
+    if v * j >= a * a:
+        way = a / j * (v - a * a / (6 * j)) + v * v / (2 * a) + v * a / (2 * j)
+    else:
+        way = 11 / 6 * v * (v / j) ** 0.5
+    return way + v * STOP_DELAY_S + 360 / steps_per_turn(axis)
 
 
 def pin_text(pin):

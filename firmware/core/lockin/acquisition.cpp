@@ -36,9 +36,7 @@ bool Acquisition::finish(Outcome outcome) {
 bool Acquisition::take(std::span<const std::uint16_t> signal,
                        std::span<const std::uint16_t> monitor, const ReferenceLock& reference) {
   if (outcome() != Outcome::running) return true;
-  if (external_ && (!reference.locked() || reference.losses() != losses_)) {
-    return finish(Outcome::reference_lost);
-  }
+  if (lost(reference)) return finish(Outcome::reference_lost);
   if (lead_in_left_ > 0) {
     const auto count =
         static_cast<std::uint32_t>(std::min<std::size_t>(lead_in_left_, signal.size()));
@@ -57,13 +55,23 @@ bool Acquisition::take(std::span<const std::uint16_t> signal,
   if (external_) {
     const PhaseLine& line = reference.line();
     const std::uint32_t tick = first_tick_ + next_sample_ * reference_ticks_per_sample;
-    periods_.take(signal, monitor, line.turns_at(tick), line.step_per_sample());
+    next_sample_ += periods_.take(signal, monitor, line.turns_at(tick), line.step_per_sample());
   } else {
     integrator_.take(signal, monitor);
   }
-  next_sample_ += static_cast<std::uint32_t>(signal.size());
   if (saturated() && range_->step_down()) return finish(Outcome::range_changed);
   return complete() ? finish(Outcome::complete) : false;
+}
+
+bool Acquisition::confirmed(const ReferenceLock& reference) {
+  if (!external_) return true;
+  if (lost(reference)) {
+    finish(Outcome::reference_lost);
+    return false;
+  }
+  // Of the sample after the last one, which gives the slope where the record ends.
+  const std::uint32_t end = first_tick_ + next_sample_ * reference_ticks_per_sample;
+  return static_cast<std::int32_t>(reference.last_edge() - end) > 0;
 }
 
 }  // namespace umov::firmware

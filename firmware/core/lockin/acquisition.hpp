@@ -31,6 +31,10 @@ class Acquisition {
   /// reference; others do without.
   bool take(std::span<const std::uint16_t> signal, std::span<const std::uint16_t> monitor,
             const ReferenceLock& reference);
+  /// Of a complete record: whether its reference turned to its end. One that has stopped shows by
+  /// no more than the edge that fails to come: until one comes after the last sample nobody knows,
+  /// and when the lock is lost before that the outcome becomes `reference_lost`. In the main loop.
+  bool confirmed(const ReferenceLock& reference);
   Outcome outcome() const { return outcome_.load(std::memory_order_acquire); }
   LockinResult result() const { return external_ ? periods_.result() : integrator_.result(); }
   /// Sample of the stream at the centre of the integration, times two.
@@ -42,6 +46,9 @@ class Acquisition {
  private:
   void begin(std::uint32_t lead_in, AutoRange& range, bool external);
   bool finish(Outcome outcome);
+  bool lost(const ReferenceLock& reference) const {
+    return external_ && (!reference.locked() || reference.losses() != losses_);
+  }
   bool complete() const { return external_ ? periods_.complete() : integrator_.complete(); }
   bool saturated() const {
     return (external_ ? periods_.signal_saturated() : integrator_.signal_saturated()) > 0;

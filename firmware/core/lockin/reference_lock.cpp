@@ -51,6 +51,7 @@ std::uint32_t ReferenceLock::edges_to_remember() const {
 void ReferenceLock::begin(std::uint32_t tick) {
   if (locked()) ++losses_;
   line_ = {.turns = 0, .tick = tick, .part = half_tick, .period = one_tick};
+  last_edge_ = tick;
   edges_ = 1;
   good_ = 0;
   strays_ = 0;
@@ -90,6 +91,7 @@ void ReferenceLock::on_edge(std::uint32_t tick) {
     return;
   }
   strays_ = 0;
+  last_edge_ = tick;
   follow(error, late, static_cast<std::uint32_t>(periods));
   too_fast_or_slow_ = !in_range();
   if (too_fast_or_slow_) return begin(tick);

@@ -42,8 +42,8 @@ class ReferenceLock {
   static constexpr std::uint32_t short_memory = 12;
   /// Locked after so many edges in a row, each where it was predicted within 1/32 of a period.
   static constexpr std::uint32_t lock_edges = 10;
-  /// An edge further off than 1/8 of a period is no edge of this reference. So many in a row, or so
-  /// many periods without any, and the lock is lost.
+  /// An edge further off than 1/8 of a period is no edge of this reference. The lock outlasts so
+  /// many in a row and is lost at the next, or after more than so many periods without any.
   static constexpr std::uint32_t strays_allowed = 3;
   static constexpr std::uint32_t periods_allowed = 4;
 
@@ -58,6 +58,8 @@ class ReferenceLock {
   std::uint32_t frequency_mhz() const;
   /// Meaningful while locked.
   const PhaseLine& line() const { return line_; }
+  /// While locked: when the last edge came that was where it was predicted, reference clock.
+  std::uint32_t last_edge() const { return last_edge_; }
   /// Differs after each loss of the lock: turns are counted anew.
   std::uint32_t losses() const { return losses_; }
 
@@ -70,6 +72,7 @@ class ReferenceLock {
   void follow(std::uint64_t error, bool late, std::uint32_t periods);
 
   PhaseLine line_{};
+  std::uint32_t last_edge_ = 0;
   std::uint32_t edges_ = 0;  ///< of this line, at most `memory`; 0 = none has come
   std::uint32_t good_ = 0;
   std::uint32_t strays_ = 0;

@@ -20,9 +20,9 @@ bool Safety::raise(Fault fault, std::int32_t detail) {
   order_[static_cast<std::size_t>(order_count_++)] = fault;
   const std::uint64_t now = board_->time_us();
   log_->append({now, boot_id_, static_cast<std::uint8_t>(fault), detail});
-  // Each fault is in the ring at most once per latching; 16 outlast all that can be latched, and
-  // one that was cleared before the host was there to be told. Beyond that the oldest are in the
-  // log only.
+  // Each fault is in the ring at most once per latching: it holds all that can be latched at once,
+  // and one that was cleared before the host was there to be told. Beyond that the oldest are in
+  // the log only.
   if (report_count_ == report_capacity) {
     report_first_ = (report_first_ + 1) % report_capacity;
     --report_count_;

@@ -49,7 +49,7 @@ class Safety {
   std::uint32_t boot_id_;
   std::array<protocol::Fault, fault_count> order_{};  // latched, oldest first
   int order_count_ = 0;
-  static constexpr unsigned report_capacity = 16;
+  static constexpr unsigned report_capacity = fault_count;
   std::array<protocol::FaultEvent, report_capacity> reports_{};  // ring of faults not yet told
   unsigned report_first_ = 0;
   unsigned report_count_ = 0;

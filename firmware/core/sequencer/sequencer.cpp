@@ -202,7 +202,10 @@ void Sequencer::finish_row() {
 
 void Sequencer::tick() {
   if (activity_ == Activity::measuring) {
-    if (acquisition_.outcome() == Acquisition::Outcome::complete) finish_row();
+    if (acquisition_.outcome() == Acquisition::Outcome::complete &&
+        acquisition_.confirmed(reference_now())) {
+      finish_row();
+    }
     if (acquisition_.outcome() == Acquisition::Outcome::range_changed) change_range();
   }
   if (activity_ == Activity::waiting && !motion_->busy()) start_next_row();

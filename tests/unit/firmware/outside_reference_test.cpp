@@ -57,6 +57,17 @@ double phase_of(const pr::Record& record) {
   return std::atan2(static_cast<double>(record.signal_y), static_cast<double>(record.signal_x));
 }
 
+double amplitude_of(const pr::Record& record) {
+  return 2.0 / (record.samples * 32767.0) *
+         std::hypot(static_cast<double>(record.signal_x), static_cast<double>(record.signal_y));
+}
+
+/// When the last sample of a record was taken.
+double end_s(const pr::Record& record) {
+  return 1e-6 * static_cast<double>(record.time_us) +
+         0.5 * static_cast<double>(record.samples) / fw::sample_rate_hz;
+}
+
 TEST(OutsideReference, IsLockedWithinTwentyPeriodsOfItsFirstEdge) {
   SmallWorld world;
   Bench bench(world);
@@ -84,10 +95,7 @@ TEST(OutsideReference, IsHeldWithinTenThousandthOfARadianInEveryRecord) {
     double squares = 0;
     for (const auto& record : chopped.records) {
       squares += phase_of(record) * phase_of(record);
-      const double amplitude =
-          2.0 / (record.samples * 32767.0) *
-          std::hypot(static_cast<double>(record.signal_x), static_cast<double>(record.signal_y));
-      EXPECT_NEAR(amplitude, 1500, 0.15);
+      EXPECT_NEAR(amplitude_of(record), 1500, 0.15);
       EXPECT_NEAR(record.samples, 100 * c.dwell_ms, std::max(1e5 / c.hz, 10.0 * c.dwell_ms));
     }
     const double rms = std::sqrt(squares / static_cast<double>(chopped.records.size()));
@@ -158,6 +166,33 @@ TEST(OutsideReference, ThatStopsIsOneNamedFaultAndTheRowIsMeasuredWhenItIsBack) 
   chopped.run(30, 100);
   ASSERT_EQ(chopped.records.size(), 30u);
   for (const auto& record : chopped.records) EXPECT_LT(std::abs(phase_of(record)), 3e-4);
+}
+
+/// Wherever in a record it stops, also shortly before its end: none of light that stood still.
+TEST(OutsideReference, ThatStopsLeavesNoRecordOfLightThatStoodStill) {
+  Chopped chopped({.frequency_hz = 437});
+  const auto lost = static_cast<std::uint8_t>(pr::Fault::reference_lost);
+  std::size_t kept = 0;
+  for (int i = 0; i < 40; ++i) {
+    const double now_s = static_cast<double>(chopped.bench.board.now_us()) * 1e-6;
+    const double stops_s = now_s + 0.1 + 1.1e-3 * i;
+    chopped.world.chopper->stops_s = stops_s;
+    ASSERT_TRUE(chopped.bench.ask(pr::ProgramBegin{7, 0, 30}).has_value());
+    chopped.records.clear();
+    chopped.run(30, 20);
+    ASSERT_EQ(chopped.bench.fault(), pr::Fault::reference_lost) << i;
+    kept += chopped.records.size();
+    for (const auto& record : chopped.records) {
+      EXPECT_NEAR(amplitude_of(record), 1500, 0.15) << i;
+      EXPECT_LT(std::abs(phase_of(record)), 3e-4) << i;
+      EXPECT_LT(end_s(record), stops_s) << i;
+    }
+    ASSERT_TRUE(chopped.bench.ask(pr::ProgramControl{2}).has_value());
+    ASSERT_TRUE(chopped.bench.ask(pr::ClearFault{lost}).has_value());
+    chopped.world.chopper->stops_s = std::numeric_limits<double>::infinity();
+    chopped.bench.board.run_for(100'000);
+  }
+  EXPECT_GT(kept, 80u) << "what was complete before is kept";
 }
 
 TEST(OutsideReference, IsNoMatterOfInternalDetection) {

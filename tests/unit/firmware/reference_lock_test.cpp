@@ -163,6 +163,46 @@ TEST(ReferenceLock, BridgesMissingAndStrayEdges) {
   EXPECT_LT(std::abs(phase_error(lock, reference, reference.edge_s(400))), 1e-4);
 }
 
+/// Losses of a lock whose edges 101 to 100 + `count` come late by a quarter of a period, or not at
+/// all.
+std::uint32_t losses_after(std::uint64_t count, bool late) {
+  const OutsideReference reference{.frequency_hz = 1000};
+  ReferenceLock lock;
+  for (std::uint64_t n = 1; n < 200; ++n) {
+    const bool troubled = n > 100 && n <= 100 + count;
+    if (troubled && !late) continue;
+    const double at = reference.edge_s(n) + (troubled ? 0.25e-3 : 0);
+    lock.watch(tick_of(at - 1e-6));
+    lock.on_edge(tick_of(at));
+  }
+  EXPECT_TRUE(lock.locked()) << "at the end, again or still";
+  EXPECT_LT(std::abs(phase_error(lock, reference, reference.edge_s(200))), 1e-4);
+  return lock.losses();
+}
+
+TEST(ReferenceLock, OutlastsThreeInARowAndIsLostAtTheFourth) {
+  for (const bool late : {false, true}) {
+    EXPECT_EQ(losses_after(3, late), 0u) << late;
+    EXPECT_EQ(losses_after(4, late), 1u) << late;
+  }
+}
+
+/// The limit that the documentation states: nobody can tell a small jump from jitter.
+TEST(ReferenceLock, FollowsAJumpOfThePhaseBelowAnEighthOfATurnAndLosesAGreaterOne) {
+  for (const double jump : {-0.15, -0.1, 0.1, 0.15}) {
+    const OutsideReference reference{.frequency_hz = 1000};
+    ReferenceLock lock;
+    for (std::uint64_t n = 1; n <= 300; ++n) {
+      const double at = reference.edge_s(n) + (n > 100 ? jump * 1e-3 : 0);
+      lock.watch(tick_of(at - 1e-6));
+      lock.on_edge(tick_of(at));
+    }
+    EXPECT_EQ(lock.losses(), std::abs(jump) < 0.125 ? 0u : 1u) << jump;
+    const double error = phase_error(lock, reference, reference.edge_s(300));
+    EXPECT_NEAR(std::remainder(error + two_pi * jump, two_pi), 0, 1e-3) << jump;
+  }
+}
+
 TEST(ReferenceLock, LosesAReferenceThatStopsJumpsOrLeavesTheRange) {
   ReferenceLock lock;
   const auto lock_on = [&](const OutsideReference& reference, double from_s) {

@@ -295,6 +295,23 @@ class IdleBoard final : public fw::Board {
   void unmask_interrupts() override {}
 };
 
+TEST(Safety, TellsEveryFaultWhenAllAreLatchedAndOneWasClearedBefore) {
+  IdleBoard board;
+  boards::native::RamLog log;
+  fw::Safety safety(board, log, 1);
+  std::vector<int> raised{static_cast<int>(pr::Fault::stall)}, told;
+  ASSERT_TRUE(safety.raise(pr::Fault::stall, 2));
+  safety.clear(pr::Fault::stall);
+  for (int fault = 1; fault < fw::fault_count; ++fault) {
+    ASSERT_TRUE(safety.raise(static_cast<pr::Fault>(fault), -1));
+    raised.push_back(fault);
+  }
+  for (pr::FaultEvent event; safety.next_report(event); safety.mark_reported()) {
+    told.push_back(event.fault);
+  }
+  EXPECT_EQ(told, raised);
+}
+
 TEST(Safety, LatchesAMissedTickAndTheFaultsOfTheLastReset) {
   for (const auto cause :
        {fw::ResetCause::power_on, fw::ResetCause::watchdog, fw::ResetCause::brown_out}) {

@@ -71,7 +71,7 @@ TEST(DeviceNames, ABadAddressSaysWhatIsWrongWithIt) {
 }
 
 TEST(Refusals, EveryFaultHasAMeaningAndARemedyOfItsOwn) {
-  for (int fault = 1; fault <= static_cast<int>(protocol::Fault::no_fallback); ++fault) {
+  for (int fault = 1; fault <= static_cast<int>(protocol::Fault::reference_lost); ++fault) {
     const auto code = static_cast<std::uint8_t>(fault);
     EXPECT_THAT(fault_remedy(code), ::testing::Not(::testing::IsEmpty()));
     for (int other = 0; other < fault; ++other) {
@@ -100,6 +100,18 @@ TEST(Refusals, ARollBackIsToldWithVersionAndReason) {
   EXPECT_EQ(fault_detail(internal, 0x0802'1234), "134353460") << "where a processor fault was";
   EXPECT_EQ(fault_detail(internal, protocol::trial_not_confirmed),
             "the image has proved itself, but flash does not take the note: it stays on trial");
+}
+
+TEST(Refusals, ALostReferenceIsToldInWords) {
+  using protocol::ReferenceState;
+  const auto text_of = [](ReferenceState state) {
+    return fault_detail(static_cast<std::uint8_t>(protocol::Fault::reference_lost),
+                        static_cast<std::int32_t>(state));
+  };
+  EXPECT_EQ(text_of(ReferenceState::absent), "no edges come in at its reference input");
+  EXPECT_THAT(text_of(ReferenceState::unsteady), HasSubstr("do not come at a steady period"));
+  EXPECT_THAT(text_of(ReferenceState::out_of_range), HasSubstr("slower than 10 Hz"));
+  EXPECT_EQ(text_of(ReferenceState::locked), "it was away for a moment and came back");
 }
 
 TEST(Refusals, EveryRefusalIsPutIntoWords) {

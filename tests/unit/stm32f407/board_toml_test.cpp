@@ -89,8 +89,8 @@ TEST(BoardToml, PinsThatCannotDoWhatTheyAreNamedForAreRefused) {
 }
 
 TEST(BoardToml, AnAxisHasRoomToStopBeyondItsLimitSwitch) {
-  EXPECT_THAT(refusal("overrun_deg = 5", "overrun_deg = 3"),
-              testing::HasSubstr("needs 3.08 to stop from 40"));
+  EXPECT_THAT(refusal("overrun_deg = 5", "overrun_deg = 4"),
+              testing::HasSubstr("needs 4.91 to stop from 40"));
   EXPECT_THAT(refusal("acceleration_deg_s2 = 400", "acceleration_deg_s2 = 150"),
               testing::HasSubstr("incidence.overrun_deg"));
   // The page's figures are those of the firmware.
