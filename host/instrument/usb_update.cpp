@@ -19,7 +19,7 @@ namespace dfu = protocol::dfu;
 namespace usb = protocol::usb;
 
 /// Longer than the longest erasure, during which the chip answers nothing.
-constexpr unsigned request_timeout_ms = 8000;
+constexpr unsigned request_timeout_ms = 20'000;
 constexpr std::chrono::milliseconds look_again{200};
 
 constexpr std::uint8_t class_out = static_cast<std::uint8_t>(LIBUSB_REQUEST_TYPE_CLASS) |
