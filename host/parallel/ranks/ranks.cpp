@@ -1,6 +1,9 @@
 #include "host/parallel/ranks/ranks.hpp"
 
+#include <chrono>
 #include <cstdlib>
+#include <exception>
+#include <thread>
 
 #define OMPI_SKIP_MPICXX 1
 #include <mpi.h>
@@ -8,6 +11,25 @@
 #include "host/errors/error.hpp"
 
 namespace umov {
+namespace {
+
+/// How long a rank in trouble waits for the others: they may still have a file to write.
+constexpr std::chrono::seconds patience{10};
+
+/// Do all ranks come to this place: in time, where one may be in trouble, else whenever they do?
+bool all_come(bool in_time) {
+  MPI_Request arrival = MPI_REQUEST_NULL;
+  if (MPI_Ibarrier(MPI_COMM_WORLD, &arrival) != MPI_SUCCESS) return false;
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  for (int here = 0;;) {
+    if (MPI_Test(&arrival, &here, MPI_STATUS_IGNORE) != MPI_SUCCESS) return false;
+    if (here) return true;
+    if (in_time && std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
+
+}  // namespace
 
 bool Ranks::launched() {
   // Set by Open MPI's mpirun, and by the launchers of MPICH, Intel MPI and Slurm.
@@ -35,7 +57,13 @@ Ranks::Ranks() {
 }
 
 Ranks::~Ranks() {
-  if (running_) MPI_Finalize();
+  if (!running_) return;
+  // An error may throw out one rank while the others wait for it in gather(). All that end well or
+  // meet the same error or are stopped arrive here; where they do not, this one leaves without a
+  // farewell, so that its message is heard and the launcher ends the others.
+  const bool thrown_out = std::uncaught_exceptions() > exceptions_;
+  if (size_ > 1 && !all_come(thrown_out)) return;
+  MPI_Finalize();
 }
 
 std::vector<double> Ranks::gather(const std::vector<double>& own) const {

@@ -1,6 +1,7 @@
 // Which of how many processes this one is, where mpirun has started several.
 #pragma once
 
+#include <exception>
 #include <vector>
 
 #include "host/parallel/team.hpp"
@@ -9,7 +10,8 @@ namespace umov {
 
 /// While one lives, MPI is running, if mpirun (or a batch system's launcher that speaks PMI) has
 /// started the program; else MPI is never called, rank() is 0 and size() 1. One at a time, in the
-/// main thread. The destructor waits for the other ranks to come to theirs.
+/// main thread. The destructor waits for the other ranks to come to theirs; on its way out of an
+/// error only for some seconds, after which the launcher ends them all.
 class Ranks : public Team {
  public:
   /// Throws umov::Error where MPI cannot start.
@@ -34,6 +36,7 @@ class Ranks : public Team {
  private:
   std::size_t rank_ = 0, size_ = 1;
   bool running_ = false;
+  int exceptions_ = std::uncaught_exceptions();  ///< under way when it came to be
 };
 
 }  // namespace umov
