@@ -64,8 +64,11 @@ std::vector<double> Bands::fine_um() const {
   std::vector<double> fine;
   const double first = wavelengths_um_.front();
   const double last = wavelengths_um_.back();
-  const auto steps = static_cast<int>(std::ceil(1e3 * (last - first) - 1e-6));
-  for (int i = 0; i < steps; ++i) fine.push_back(first + 1e-3 * i);
+  double step = 1e-3;
+  for (std::size_t b = 1; b < size(); ++b)
+    step = std::min(step, 0.25 * (wavelengths_um_[b] - wavelengths_um_[b - 1]));
+  const auto steps = static_cast<int>(std::ceil((last - first) / step - 1e-3));
+  for (int i = 0; i < steps; ++i) fine.push_back(first + step * i);
   fine.push_back(last);
   return fine;
 }

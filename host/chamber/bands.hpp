@@ -24,7 +24,8 @@ class Bands {
   /// The same for a single band that is 1: luminous() is linear.
   const std::vector<double>& lumens() const { return lumens_; }
 
-  /// Every nanometre from the first band to the last, in µm, where means() wants a spectrum.
+  /// Where means() wants a spectrum, in µm: from the first band to the last every nanometre, or a
+  /// quarter of what lies between the closest bands.
   std::vector<double> fine_um() const;
   /// What each band has of a spectrum given at fine_um(): its mean about the band's wavelength,
   /// weighted by V(λ) and by how near it is, so that luminous() is right for lines as well.

@@ -35,9 +35,9 @@ struct Plastic {
   double brdf(const brdf::Geometry<double>& geometry) const {
     return brdf::evaluate<double>(model, values, wavelength_um, geometry)[0][0];
   }
-  /// Scales an incidence to mcpet_total.
-  double scale(double theta_i_deg) const {
-    return mcpet_total / brdf::dhr(model, values, wavelength_um, radians(theta_i_deg)).unpolarized;
+  /// Scales an incidence to reflect `total`.
+  double scale(double theta_i_deg, double total = mcpet_total) const {
+    return total / brdf::dhr(model, values, wavelength_um, radians(theta_i_deg)).unpolarized;
   }
 };
 
@@ -56,14 +56,14 @@ brdf::PlanesTable synthetic_mcpet(std::span<const double> theta_i_deg, double st
 }
 
 brdf::PlanesTable synthetic_plastic(double alpha, std::span<const double> theta_i_deg,
-                                    double step_deg) {
+                                    double step_deg, double total) {
   const Plastic plastic(alpha);
   std::vector<brdf::PlanesAtIncidence> incidences;
   for (const double incidence : theta_i_deg) {
     brdf::PlanesAtIncidence slice;
     slice.theta_i_deg = incidence;
     const double theta = radians(incidence);
-    const double scale = plastic.scale(incidence);
+    const double scale = plastic.scale(incidence, total);
     slice.in_plane.brdf_per_sr.resize(1);
     slice.across.brdf_per_sr.resize(1);
     const int last = static_cast<int>(std::ceil(90.0 / step_deg)) - 1;

@@ -21,9 +21,9 @@ inline constexpr double mcpet_theta_i_deg[] = {5.0, 25.0, 45.0, 60.0, 70.0, 80.0
 /// The table that a goniometer would find at these incidences, every `step_deg` in both planes, at
 /// 555 nm.
 brdf::PlanesTable synthetic_mcpet(std::span<const double> theta_i_deg, double step_deg);
-/// The same with a lobe of another width: facets of `alpha`.
+/// The same with a lobe of another width, facets of `alpha`, scaled to reflect `total`.
 brdf::PlanesTable synthetic_plastic(double alpha, std::span<const double> theta_i_deg,
-                                    double step_deg);
+                                    double step_deg, double total = mcpet_total);
 
 /// As much as anybody would want to know of it: an incidence every 2.5°, angles every 0.5°.
 brdf::PlanesTable dense_mcpet();

@@ -2,6 +2,7 @@
 
 import json
 import random
+import re
 import unittest
 
 import h5py
@@ -70,6 +71,20 @@ class DiagnoseMap(UmovCase):
                 kinds = browser.evaluate("[...document.querySelectorAll('.chart')].map(c => c.dataset.figure)")
                 self.assertEqual({"gap", "luminance", "maps", "signature"}, set(kinds))
                 self.assertIn("NRMSE", browser.evaluate("document.body.innerText"))
+
+    def test_dark_walls_and_effects_without_room_end_no_diagnosis(self):
+        # Edges that can hardly be whiter, holes that reach to the wall.
+        scene = (small("matt-chamber.toml").replace("ring_radius_mm = 8", "ring_radius_mm = 18.99")
+                 .replace('edge = "black"', 'edge = { model = "lambertian", rho = 0.99 }'))
+        self.assertEqual((scene.count("18.99"), scene.count("rho = 0.99")), (1, 1))
+        dark = re.sub(r"rho = 0\.98\d*", "rho = 0.1", scene)
+        self.assertNotEqual(dark, scene)
+        self.write("scene.toml", dark)
+        answer = self.diagnosed(self.measured(dark))
+        self.assertEqual(answer["verdict"], "none_needed")
+        notes = " ".join(answer["data"]["notes"])
+        self.assertIn("no room to try hole_edge_reflection: rho", notes)
+        self.assertNotIn("near_specular_lobe", notes)
 
     def test_the_catalogue_is_that_of_the_scene(self):
         scene = small("matt-chamber.toml")

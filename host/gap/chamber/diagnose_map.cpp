@@ -1,5 +1,6 @@
 #include "host/gap/chamber/diagnose_map.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -41,7 +42,7 @@ std::vector<std::string> notes_of(const chamber::MeasuredMap& measured, std::siz
 MapDiagnosis diagnose_map(const chamber::Described& luminaire, const chamber::MeasuredMap& measured,
                           const MapDiagnoseOptions& options) {
   DiagnoseOptions engine = options.diagnose;
-  engine.search.without = effects_named(options.without, map_effects(luminaire));
+  static_cast<void>(effects_named(options.without, map_effects(luminaire)));  // before any ray
   MapOptions maps = options.signatures;
   maps.joined = joined_for(measured.map, options.most_pixels);
   const auto signatures = std::make_shared<const MapSignatures>(map_signatures(luminaire, maps));
@@ -51,6 +52,11 @@ MapDiagnosis diagnose_map(const chamber::Described& luminaire, const chamber::Me
                             signatures->pixels.size()),
                 fmt::format("give a map with {} or more", fewest_pixels));
   const ChamberModel model(signatures, chamber::joined(measured.map, maps.joined));
+  for (std::size_t e = 0; e < model.effects().size(); ++e) {
+    const std::string& name = model.effects()[e].name;
+    if (std::find(options.without.begin(), options.without.end(), name) != options.without.end())
+      engine.search.without.push_back(e);
+  }
   MapDiagnosis result;
   result.answer = diagnose(model, engine);
   result.answer.bounds = gap_bounds(model, result.answer, bootstrap_draws, engine.search.seed + 5);
@@ -58,6 +64,8 @@ MapDiagnosis diagnose_map(const chamber::Described& luminaire, const chamber::Me
   result.pixels = signatures->map.luminance_cd_m2.size();
   result.used = signatures->pixels.size();
   result.notes = notes_of(measured, maps.joined);
+  for (const std::string& one : signatures->without_room)
+    result.notes.push_back("no room to try " + one + ", which was left out");
   return result;
 }
 

@@ -129,17 +129,17 @@ class Catalogue {
       p.lo = 0.0;
       // The table's lobe sits on a white body and is scaled with it to the coat's reflectance.
       const double whole = coat.total / chamber::mcpet_total;
-      add_of_coat(
-          coat,
-          effect("near_specular_lobe", "wall",
-                 "the wall scatters about the mirror direction, more so towards grazing: "
-                 "blurred highlights and a brighter wall around them"),
-          fmt::format("alpha {:g}", alpha), p, whole, [alpha, total = coat.total](double) {
-            return std::make_shared<const Surface>(
-                "glossy",
-                chamber::PlanesSurface(
-                    chamber::synthetic_plastic(alpha, chamber::mcpet_theta_i_deg, 2.5), 0, total));
-          });
+      add_of_coat(coat,
+                  effect("near_specular_lobe", "wall",
+                         "the wall scatters about the mirror direction, more so towards grazing: "
+                         "blurred highlights and a brighter wall around them"),
+                  fmt::format("alpha {:g}", alpha), p, whole, [alpha, total = coat.total](double) {
+                    return std::make_shared<const Surface>(
+                        "glossy",
+                        chamber::PlanesSurface(chamber::synthetic_plastic(
+                                                   alpha, chamber::mcpet_theta_i_deg, 2.5, total),
+                                               0, total));
+                  });
     }
     Parameter share = sized("share", "1", "mirrored part of the light", 0.01);
     share.lo = 0.0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "host/chamber/figures.hpp"
@@ -16,7 +17,7 @@ namespace {
 using chamber::Map;
 using chamber::View;
 
-/// Maps of one camera, and which pixels see the luminaire in every one of them.
+/// Maps of one camera, and which pixels see the luminaire in every view.
 class Simulator {
  public:
   Simulator(const MapOptions& options, double maps_ahead)
@@ -36,15 +37,30 @@ class Simulator {
     };
     const Map fine = chamber::luminance_map(tracer, view.camera, request);
     done_ += maps;
-    lit_.resize(fine.luminance_cd_m2.size(), false);
-    for (std::size_t i = 0; i < lit_.size(); ++i)
-      lit_[i] = lit_[i] || fine.luminance_cd_m2[i] > 0.0;
+    seen_.resize(fine.luminance_cd_m2.size(), false);
+    for (std::size_t i = 0; i < seen_.size(); ++i)
+      seen_[i] = seen_[i] || fine.luminance_cd_m2[i] > 0.0;
     width_ = fine.width;
     height_ = fine.height;
     return chamber::joined(fine, options_.joined);
   }
 
-  /// Joined pixels away from all that is dark in every map: outlines, and what lies beyond them.
+  /// No more maps of this view come: what is dark in all of them is beyond an outline, unless
+  /// sources of the luminaire were put out in it.
+  void end(const View& view) {
+    const auto& emitters = view.luminaire.emitters;
+    const auto out = std::count_if(emitters.begin(), emitters.end(),
+                                   [](const auto& e) { return !(e.flux_lm > 0.0); });
+    if (lit_.empty()) {
+      lit_ = seen_;
+      sources_out_ = out;
+    } else if (out == sources_out_) {
+      for (std::size_t i = 0; i < lit_.size(); ++i) lit_[i] = lit_[i] && seen_[i];
+    }
+    seen_.assign(seen_.size(), false);
+  }
+
+  /// Joined pixels away from all that is dark in a view: outlines, and what lies beyond them.
   std::vector<std::size_t> inner_pixels() const {
     const std::size_t n = options_.joined;
     const std::size_t margin = std::max<std::size_t>(2, n);
@@ -68,7 +84,9 @@ class Simulator {
 
   const MapOptions& options_;
   double maps_ahead_, done_ = 0.0;
-  std::vector<bool> lit_;
+  std::vector<bool> seen_;  // of the present view: in some map of it
+  std::vector<bool> lit_;   // in every view
+  std::ptrdiff_t sources_out_ = 0;
   std::size_t width_ = 0, height_ = 0;
 };
 
@@ -81,26 +99,35 @@ Halves halves(Simulator& simulator, const View& view, const MapOptions& options)
     return simulator.simulate(view, std::max<std::uint64_t>(2, options.rays_per_signature / 2),
                               options.seed + 1 + number);
   };
-  return {half(0), half(1)};
+  Halves both{half(0), half(1)};
+  simulator.end(view);
+  return both;
 }
 
-/// A changed map, and how much of the parameter is in it: the other way where there is no room.
+/// A changed map, and how much of the parameter is in it.
 struct Changed {
+  const Parameter* parameter;
   Halves maps;
   double amount;
 };
 
-Changed changed(Simulator& simulator, const MapChange& change, const MapOptions& options) {
-  const auto with = [&](double amount) {
-    return Changed{halves(simulator, change.view(amount), options), amount};
-  };
-  if (change.parameter.lo >= 0.0) return with(change.step);
-  try {
-    static_cast<void>(change.view(change.step));
-  } catch (const Error&) {
-    return with(-change.step);
+/// Where there is no room for a step, the other way or with a smaller one; nothing where there is
+/// none for any.
+std::optional<Changed> changed(Simulator& simulator, const MapChange& change,
+                               const MapOptions& options) {
+  constexpr int sizes = 4;
+  double step = change.step;
+  for (int size = 0; size < sizes; ++size, step *= 0.5) {
+    for (const double amount : {step, -step}) {
+      if (amount < change.parameter.lo) continue;
+      try {
+        return Changed{&change.parameter, halves(simulator, change.view(amount), options), amount};
+      } catch (const Error&) {
+        // No such luminaire, or none that this camera can look at.
+      }
+    }
   }
-  return with(change.step);
+  return std::nullopt;
 }
 
 Eigen::VectorXd at_pixels(const std::vector<double>& values,
@@ -153,7 +180,7 @@ MapEffect signature_of(const Shown& shown, const Halves& from, const Reduction& 
     const Eigen::VectorXd column = reduction.change(from, shown.maps[k]);
     one.columns.conservativeResize(column.size(), static_cast<Eigen::Index>(k + 1));
     one.columns.col(static_cast<Eigen::Index>(k)) = column;
-    const Parameter& parameter = shown.cause->changes[k].parameter;
+    const Parameter& parameter = *shown.maps[k].parameter;
     one.effect.parameters.push_back(parameter);
     Probe probe(count, 0.0);
     probe[k] = parameter.prior_u;
@@ -183,9 +210,15 @@ MapSignatures map_signatures(const chamber::Described& luminaire, const MapOptio
   for (const auto& view : list.origins) origins.push_back(halves(simulator, view(), options));
   std::vector<Shown> all;
   for (const MapCause& cause : list.causes) {
-    all.push_back({&cause, {}});
-    for (const MapChange& change : cause.changes)
-      all.back().maps.push_back(changed(simulator, change, options));
+    Shown shown{&cause, {}};
+    for (const MapChange& change : cause.changes) {
+      std::optional<Changed> one = changed(simulator, change, options);
+      if (one)
+        shown.maps.push_back(std::move(*one));
+      else
+        s.without_room.push_back(cause.effect.name + ": " + change.parameter.name);
+    }
+    if (!shown.maps.empty()) all.push_back(std::move(shown));
   }
 
   s.pixels = simulator.inner_pixels();

@@ -43,6 +43,8 @@ struct MapSignatures {
   /// Share of the strongest near-specular signature: 1 in the middle of a highlight.
   Eigen::VectorXd highlight;
   std::vector<MapEffect> effects;
+  /// "effect: parameter" of the catalogue for which this luminaire and camera leave no room.
+  std::vector<std::string> without_room;
 };
 
 /// Throws umov::Error for a map of which no pixel can be used.

@@ -89,6 +89,12 @@ TEST(Bands, AreAsBrightAsTheEyeSeesThem) {
   }
 }
 
+TEST(Bands, CloserThanANanometreHaveTheirShareToo) {
+  const Bands close({0.555, 0.5553, 0.556});
+  const std::vector<double> even(close.fine_um().size(), 2.0);
+  for (const double mean : close.means(even)) EXPECT_NEAR(mean, 2.0, 1e-9);
+}
+
 TEST(Bands, ThatCannotBeAreRefused) {
   EXPECT_NE(failure_of([] { Bands({0.5, 0.4}); }).find("400 nm after 500 nm"), std::string::npos);
   EXPECT_NE(failure_of([] { Bands({0.3}); }).find("360 to 830"), std::string::npos);
