@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "host/formats/provenance.hpp"
 #include "host/gap/answer/words.hpp"
 #include "host/report/diagnosis_parts.hpp"
 #include "host/report/json_parts.hpp"
@@ -150,15 +151,6 @@ Json causes_json(const gap::Diagnosis& d, const std::vector<gap::Effect>& effect
           {"physics", std::move(physics)}};
 }
 
-Json gap_json(const gap::Diagnosis& d, const gap::GapBounds& bounds) {
-  return {{"bars",
-           {bar("before", bounds.before), bar("after", bounds.after), bar("floor", bounds.floor)}},
-          {"closed",
-           {{"text", plain(100 * d.closed_fraction.value, 3) + " %"},
-            {"interval", fmt::format("{} to {} %", plain(100 * d.closed_fraction.lo, 3),
-                                     plain(100 * d.closed_fraction.hi, 3))}}}};
-}
-
 Json closed_fact(const gap::Diagnosis& d) {
   const auto percent = [](double share) { return plain(100 * std::clamp(share, 0.0, 1.0), 3); };
   const auto& closed = d.closed_fraction;
@@ -187,6 +179,20 @@ Json next_json(const gap::Diagnosis& d) {
   return out;
 }
 
+namespace {
+
+/// {bars:[{name, g2, percent, …}], closed}
+Json gap_json(const gap::Diagnosis& d) {
+  const gap::GapBounds& bounds = *d.bounds;
+  return {{"bars",
+           {bar("before", bounds.before), bar("after", bounds.after), bar("floor", bounds.floor)}},
+          {"closed",
+           {{"text", plain(100 * d.closed_fraction.value, 3) + " %"},
+            {"interval", fmt::format("{} to {} %", plain(100 * d.closed_fraction.lo, 3),
+                                     plain(100 * d.closed_fraction.hi, 3))}}}};
+}
+
+/// Rows of a table of cells.
 Json cells_json(const gap::Where& where) {
   Json rows = Json::array();
   for (const gap::Cell& c : where.cells) {
@@ -214,12 +220,33 @@ Json cells_json(const gap::Where& where) {
   return rows;
 }
 
+/// Rows [name, value, interval, unit].
 Json base_json(const gap::Diagnosis& d) {
   Json rows = Json::array();
   for (const gap::NamedValue& v : d.base)
     rows.push_back({v.name, within(v.interval.value, 0.5 * (v.interval.hi - v.interval.lo)),
                     interval_text(v.interval), v.unit == "1" ? "" : v.unit});
   return rows;
+}
+
+}  // namespace
+
+Json data_of_any(const gap::Diagnosis& d, const gap::AnswerSource& source,
+                 const std::string& created) {
+  return {{"program", "umov " + source.version},
+          {"command", source.command},
+          {"created", created.empty() ? formats::utc_now() : created},
+          {"verdict", gap::to_string(d.verdict)},
+          {"sentence", gap::verdict_sentence(d)},
+          {"model", source.model},
+          {"notes", source.notes},
+          {"gap", gap_json(d)},
+          {"where", {{"cells", cells_json(d.where)}, {"p_global", plain(d.where.p_global, 2)}}},
+          {"left",
+           {{"cells", cells_json(d.unexplained)},
+            {"p_global", plain(d.unexplained.p_global, 2)},
+            {"g2", plain(d.unexplained_g2, 2)}}},
+          {"base", base_json(d)}};
 }
 
 }  // namespace umov::report

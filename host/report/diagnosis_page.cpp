@@ -5,8 +5,6 @@
 #include <cmath>
 
 #include "host/errors/error.hpp"
-#include "host/formats/provenance.hpp"
-#include "host/gap/answer/words.hpp"
 #include "host/report/assets.hpp"
 #include "host/report/diagnosis_parts.hpp"
 #include "host/report/numbers.hpp"
@@ -72,32 +70,19 @@ std::string diagnosis_data(const DiagnosisInput& input) {
   const gap::Diagnosis& d = result.answer;
   const gap::scan::Picture& picture = *result.picture;
   const Scene scene = scene_of(picture);
-  Json data{{"title", name_of(input)},
-            {"program", "umov " + input.source.version},
-            {"command", input.source.command},
-            {"created", input.created.empty() ? formats::utc_now() : input.created},
-            {"verdict", gap::to_string(d.verdict)},
-            {"sentence", gap::verdict_sentence(d)},
-            {"model", input.source.model},
-            {"items", "records"},
-            {"facts", facts(input)},
-            {"notes", input.source.notes},
-            {"causes", causes_json(d, declared_in(picture), picture.alternatives)},
-            {"gap", gap_json(d, *d.bounds)},
-            {"next", next_json(d)},
-            {"plan", result.next_plan},
-            {"scans", input.files},
-            {"explained", !picture.contributions.empty()},
-            {"maps", residual_maps(scene)},
-            {"trace", residual_trace(scene)},
-            {"signatures", signatures(scene)},
-            {"where", {{"cells", cells_json(d.where)}, {"p_global", plain(d.where.p_global, 2)}}},
-            {"left",
-             {{"cells", cells_json(d.unexplained)},
-              {"p_global", plain(d.unexplained.p_global, 2)},
-              {"g2", plain(d.unexplained_g2, 2)}}},
-            {"base", base_json(d)},
-            {"provenance", provenance_rows(input)}};
+  Json data = data_of_any(d, input.source, input.created);
+  data.update({{"title", name_of(input)},
+               {"items", "records"},
+               {"facts", facts(input)},
+               {"causes", causes_json(d, declared_in(picture), picture.alternatives)},
+               {"next", next_json(d)},
+               {"plan", result.next_plan},
+               {"scans", input.files},
+               {"explained", !picture.contributions.empty()},
+               {"maps", residual_maps(scene)},
+               {"trace", residual_trace(scene)},
+               {"signatures", signatures(scene)},
+               {"provenance", provenance_rows(input)}});
   // Bytes that are no UTF-8 (from foreign headers) become replacement characters.
   return embeddable(data.dump(-1, ' ', false, Json::error_handler_t::replace));
 }

@@ -50,15 +50,14 @@ Json signatures(const Scene& scene);
 /// among which are those of the causes, for their physics and meanings.
 Json causes_json(const gap::Diagnosis& diagnosis, const std::vector<gap::Effect>& declared,
                  const std::vector<gap::Alternative>& alternatives);
-/// {bars:[{name, g2, percent, …}], closed}
-Json gap_json(const gap::Diagnosis& diagnosis, const gap::GapBounds& bounds);
 /// A fact for the head of the page: the share of the gap that the causes close, with its interval.
 Json closed_fact(const gap::Diagnosis& diagnosis);
 /// [{menu, words, separates, separation, minutes}]
 Json next_json(const gap::Diagnosis& diagnosis);
-/// Rows of a table of cells.
-Json cells_json(const gap::Where& where);
-/// Rows [name, value, interval, unit].
-Json base_json(const gap::Diagnosis& diagnosis);
+
+/// What the page has of every diagnosis, of whatever: program, verdict, gap, where, what is left,
+/// base. `created`: UTC, ISO 8601; empty: now.
+Json data_of_any(const gap::Diagnosis& diagnosis, const gap::AnswerSource& source,
+                 const std::string& created);
 
 }  // namespace umov::report

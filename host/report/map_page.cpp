@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/formats/provenance.hpp"
 #include "host/gap/answer/words.hpp"
 #include "host/report/assets.hpp"
 #include "host/report/diagnosis_parts.hpp"
@@ -113,6 +112,10 @@ std::string change(double before, double after) {
   return fmt::format("{} % → {} %", plain(100 * before, 4), plain(100 * after, 4));
 }
 
+std::string name_of(const MapPageInput& input) {
+  return input.files.empty() ? "luminance map" : input.files.front();
+}
+
 Json facts(const MapPageInput& input) {
   const gap::Diagnosis& d = input.diagnosis->answer;
   const MapPicture& p = input.diagnosis->picture;
@@ -150,37 +153,22 @@ std::string map_data(const MapPageInput& input) {
   const MapPicture& picture = input.diagnosis->picture;
   std::vector<gap::Effect> declared;
   for (const gap::MapContribution& c : picture.contributions) declared.push_back(c.effect);
-  const Json data{
-      {"title", input.files.empty() ? std::string("luminance map") : input.files.front()},
-      {"program", "umov " + input.source.version},
-      {"command", input.source.command},
-      {"created", input.created.empty() ? formats::utc_now() : input.created},
-      {"verdict", gap::to_string(d.verdict)},
-      {"sentence", gap::verdict_sentence(d)},
-      {"model", input.source.model},
-      {"items", "pixels"},
-      {"facts", facts(input)},
-      {"notes", input.source.notes},
-      {"causes", causes_json(d, declared, picture.alternatives)},
-      {"gap", gap_json(d, *d.bounds)},
-      {"next", Json::array()},
-      {"explained", !picture.contributions.empty()},
-      {"map", maps_json(picture)},
-      {"signatures", signatures_json(picture)},
-      {"where", {{"cells", cells_json(d.where)}, {"p_global", plain(d.where.p_global, 2)}}},
-      {"left",
-       {{"cells", cells_json(d.unexplained)},
-        {"p_global", plain(d.unexplained.p_global, 2)},
-        {"g2", plain(d.unexplained_g2, 2)}}},
-      {"base", base_json(d)},
-      {"provenance", provenance_rows(input)}};
+  Json data = data_of_any(d, input.source, input.created);
+  data.update({{"title", name_of(input)},
+               {"items", "pixels"},
+               {"facts", facts(input)},
+               {"causes", causes_json(d, declared, picture.alternatives)},
+               {"next", Json::array()},
+               {"explained", !picture.contributions.empty()},
+               {"map", maps_json(picture)},
+               {"signatures", signatures_json(picture)},
+               {"provenance", provenance_rows(input)}});
   return embeddable(data.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 std::string map_page(const MapPageInput& input) {
-  const std::string name = input.files.empty() ? "luminance map" : input.files.front();
-  return filled_page({"umov " + input.source.version, "Diagnosis: " + name, map_data(input),
-                      assets().map_diagnosis});
+  return filled_page({"umov " + input.source.version, "Diagnosis: " + name_of(input),
+                      map_data(input), assets().map_diagnosis});
 }
 
 }  // namespace umov::report

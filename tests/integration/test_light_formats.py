@@ -6,25 +6,10 @@ import unittest
 
 import h5py
 
+from chambers import small_chamber
 from umov_case import UmovCase
 
-SCENE = """[chamber]
-diameter_mm = 43
-height_mm = 21.4
-wall = { model = "lambertian", rho = 0.9 }
-[[source]]
-kind = "disk"
-diameter_mm = 5
-flux_lm = 2
-[camera]
-view_deg = 30
-pixels = [20, 12]
-pixel_mm = 2
-rays_per_pixel = 50
-[goniophotometer]
-rays = 2e5
-planes = 4
-"""
+SCENE = small_chamber(rays=2e5)
 
 ABSOLUTE_FEET = "IESNA:LM-63-2002\r\n[LUMINAIRE] quadrant\r\nTILT=NONE\r\n1 -1 2 3 3 1 1 .5 1 0\r\n1 1 10\r\n0 45 90\r\n0 45 90\r\n5 4 1\r\n5 3 1\r\n5 2 1\r\n"
 

@@ -9,27 +9,11 @@ import unittest
 
 import h5py
 
+from chambers import small_chamber
 from umov_case import SOURCE, UMOV, UmovCase
 
 EXAMPLE = SOURCE / "examples/chambers/mixing-chamber.toml"
-SMALL = """[chamber]
-diameter_mm = 43
-height_mm = 21.4
-wall = { model = "lambertian", rho = 0.9 }
-[[source]]
-kind = "disk"
-diameter_mm = 5
-flux_lm = 2
-[camera]
-view_deg = 30
-pixels = [20, 12]
-pixel_mm = 2
-rays_per_pixel = 50
-[goniophotometer]
-rays = 1e5
-planes = 4
-[glare]
-"""
+SMALL = small_chamber(rays=1e5) + "[glare]\n"
 
 
 class SimulateChamber(UmovCase):
@@ -118,7 +102,7 @@ class SimulateChamber(UmovCase):
     def test_refuses_what_cannot_be(self):
         self.refused("simulate", "chamber", self.scene(SMALL.replace("rho = 0.9", "rho = 1.9")), says=("scene.toml:4", "1.9"))
         self.refused("simulate", "chamber", self.scene(SMALL.replace("flux_lm = 2", "flux_lm = -2")), says=("scene.toml:8", "-2"))
-        no_gonio = SMALL.replace("[goniophotometer]\nrays = 1e5\nplanes = 4\n", "")
+        no_gonio = SMALL.replace("[goniophotometer]\nrays = 100000\nplanes = 4\n", "")
         self.refused("simulate", "chamber", self.scene(no_gonio), "--ies", "x.ies", says=("x.ies", "goniophotometer"))
 
 

@@ -127,7 +127,7 @@ TEST(Photometry, RealFilesHoldTheFluxTheyState) {
   const std::filesystem::path folder =
       std::filesystem::path(data == nullptr ? UMOV_SOURCE_DIR "/../shared/data" : data) /
       "photometry";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder;
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder << ": set UMOV_DATA";
   EXPECT_NEAR(read_photometry(folder / "examp1.ies").zonal_lm() / 5297.0, 1.0, 0.003);
   for (const char* name : {"sample1.ldt", "sample4.ldt"}) {
     const Photometry p = read_photometry(folder / name);
