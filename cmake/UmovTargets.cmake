@@ -12,11 +12,10 @@ if(UMOV_SANITIZE)
                                                 -fno-sanitize-recover=undefined)
   # With sanitizers GCC 12 sees uninitialised members in <regex> where there are none (its bug 105562).
   target_compile_options(umov_options INTERFACE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-maybe-uninitialized>)
-  target_link_options(umov_options INTERFACE -fsanitize=address,undefined)
-endif()
-if(UMOV_FUZZ)
-  # Coverage of the code under test, without which libFuzzer changes its inputs blindly.
+  # Coverage of the code under test, without which libFuzzer changes its inputs blindly. Programs that
+  # are no fuzz targets do nothing with it: so tests and fuzz targets share their libraries.
   target_compile_options(umov_options INTERFACE $<$<COMPILE_LANG_AND_ID:CXX,Clang>:-fsanitize=fuzzer-no-link>)
+  target_link_options(umov_options INTERFACE -fsanitize=address,undefined)
 endif()
 
 # umov_library(NAME [DEPENDS libs…]): a static library of all *.cpp in the current folder.

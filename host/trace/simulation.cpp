@@ -19,6 +19,8 @@ namespace {
 
 // Blocks between two decisions to stop. Part of the meaning of `samples`, so it is no option.
 constexpr std::size_t wave = 16;
+// Blocks traced at once, on one rank: at the end of a round threads wait for the slowest block.
+constexpr std::size_t least_round = 2 * wave;
 
 // What one block gives.
 class Block : public Collector {
@@ -268,12 +270,12 @@ class Run {
         request_(request),
         ranks_(request.team != nullptr ? request.team->size() : 1),
         rank_(request.team != nullptr ? request.team->rank() : 0),
-        round_(wave * ((ranks_ + wave - 1) / wave)),
+        round_(std::max(least_round, wave * ((ranks_ + wave - 1) / wave))),
         result_(hemisphere, any.scene().wavelengths_um.size(),
                 request.emissivity ? any.scene().materials.size() + any.scene().media.size() : 0),
         blocks_(round_, Block(result_.hemisphere_, any.scene().wavelengths_um.size(),
                               result_.owners_, request.most_meetings)),
-        workspaces_(wave, PathTracer::Workspace(any)) {
+        workspaces_(own_blocks(), PathTracer::Workspace(any)) {
     result_.block_ = static_cast<double>(request.block);
   }
 
@@ -328,13 +330,21 @@ class Run {
     request_.progress(p);
   }
 
+  // Until the launches asked for are made, in whole waves.
+  std::size_t blocks_to_go() const {
+    const std::uint64_t left = request_.samples - std::min(request_.samples, result_.samples_);
+    const std::uint64_t of_wave = wave * request_.block;
+    return wave * (left / of_wave + (left % of_wave > 0 ? 1 : 0));
+  }
+
   std::size_t own_blocks() const { return (round_ + ranks_ - 1) / ranks_; }
 
   void trace_own() {
     const optics::Beam<double> beam = optics::incident_beam(request_.theta_i);
+    const std::size_t wanted = std::min(round_, blocks_to_go());
     for_each_index(own_blocks(), request_.threads, [&](std::size_t own) {
       const std::size_t number = rank_ + own * ranks_;
-      if (number >= round_) return;
+      if (number >= wanted) return;
       const std::shared_ptr<const PathTracer> tracer = tracers_(result_.blocks_ + number);
       const Scene& scene = tracer->scene();
       // Above the highest face by more than what counts as on it.
@@ -379,11 +389,20 @@ class Run {
       sums.sum += value;
       for (int c = 0; c < 4; ++c) sums.squares[c] += value[c] * value[c];
     };
+    // Cells by far outnumber the rest: shares of them on all threads, each in the order of blocks.
+    constexpr std::size_t shares = 16;
+    const std::size_t cells = result_.cells_.size();
+    for_each_index(shares, request_.threads, [&](std::size_t share) {
+      const std::size_t end = cells * (share + 1) / shares;
+      for (std::size_t number = first; number < first + wave; ++number) {
+        const Block& block = blocks_[number];
+        for (std::size_t i = cells * share / shares; i < end; ++i) {
+          if (block.cells[i][0][0] != 0.0) add(result_.cells_[i], block.cells[i]);
+        }
+      }
+    });
     for (std::size_t number = first; number < first + wave; ++number) {
       const Block& block = blocks_[number];
-      for (std::size_t i = 0; i < block.cells.size(); ++i) {
-        if (block.cells[i][0][0] != 0.0) add(result_.cells_[i], block.cells[i]);
-      }
       for (std::size_t i = 0; i < block.all.size(); ++i) {
         add(result_.hemisphere_sums_[i], block.all[i]);
         result_.dop_products_[i] += block.all[i][0][0] * block.all[i][0][1];

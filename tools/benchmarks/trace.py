@@ -207,7 +207,7 @@ def main():
         folder = pathlib.Path(name)
         rates = rate(page, options.launches // scale)
         growth(page, rates)
-        threads(page, options.hemisphere // (4 * scale))
+        threads(page, 2 * options.hemisphere // scale)
         ranks(page, folder, options.hemisphere // scale)
         glints(page, 8 * options.hemisphere // scale)
         hemisphere(page, options.hemisphere // scale)
