@@ -179,8 +179,8 @@ TEST(Simulation, IsTheSameToTheLastBitForAnyNumberOfRanks) {
     own.stop = [&member] { return member.rank() == 1; };
     samples[member.rank()] = simulate(tracer, hemisphere, own).samples();
   });
-  EXPECT_EQ(samples[0], 4000u);
-  EXPECT_EQ(samples[1], 4000u);
+  EXPECT_EQ(samples[0], 8000u);
+  EXPECT_EQ(samples[1], 8000u);
 }
 
 TEST(Simulation, GoesOnWhereItWasStoppedToTheLastBit) {
@@ -194,8 +194,7 @@ TEST(Simulation, GoesOnWhereItWasStoppedToTheLastBit) {
   request.emissivity = true;
   const std::vector<double> whole = simulate(tracer, hemisphere, request).state();
   Request stopped = request;
-  int asked = 0;
-  stopped.stop = [&] { return ++asked == 2; };
+  stopped.stop = [] { return true; };
   const Result half = simulate(tracer, hemisphere, stopped);
   EXPECT_EQ(half.samples(), 8000u);
   EXPECT_EQ(simulate(tracer, hemisphere, request, half.state()).state(), whole);
