@@ -12,8 +12,7 @@ constexpr std::uint32_t cr1 = 0x00, cr2 = 0x04, dier = 0x0C, sr = 0x10, egr = 0x
 constexpr std::uint32_t count_enable = 1, update_by_overflow_only = 4;
 
 // OCxM
-constexpr unsigned frozen = 0, high_on_match = 1, low_on_match = 2, toggle = 3, force_low = 4,
-                   force_high = 5;
+constexpr unsigned high_on_match = 1, low_on_match = 2, toggle = 3, force_low = 4, force_high = 5;
 
 }  // namespace
 

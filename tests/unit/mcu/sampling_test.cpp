@@ -16,7 +16,7 @@ constexpr std::uint32_t ifcr_low = 0x08, s0 = 0x10;
 constexpr std::uint32_t s_cr = 0, s_ndtr = 4, s_par = 8, s_m0ar = 12;
 constexpr std::uint32_t on = 1, ht_tc_interrupts = 0x18, circular = 1u << 8, increment = 1u << 10,
                         words = 2u << 11 | 2u << 13;
-constexpr std::uint32_t ccr = 0x304, cdr = 0x308, cr1 = 0x04, cr2 = 0x08, smpr1 = 0x0C, sqr3 = 0x34;
+constexpr std::uint32_t ccr = 0x304, cr1 = 0x04, cr2 = 0x08, smpr1 = 0x0C, sqr3 = 0x34;
 constexpr std::uint32_t pairs = 6 | 1u << 13 | 1u << 16, with_dma = 2u << 14;
 constexpr Time interval = 10 * time_per_us;
 
