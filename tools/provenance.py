@@ -4,14 +4,20 @@ import os
 import pathlib
 import platform
 import subprocess
+import sys
 
 SOURCE = pathlib.Path(__file__).resolve().parents[1]
 UMOV = os.environ.get("UMOV_BINARY", str(SOURCE / "build/release/bin/umov"))
 
 
 def commit():
-    done = subprocess.run(["git", "-C", SOURCE, "rev-parse", "--short", "HEAD"], text=True, capture_output=True, check=False)
-    return done.stdout.strip() or "unknown"
+    def git(*arguments):
+        done = subprocess.run(["git", "-C", SOURCE, *arguments], text=True, capture_output=True, check=False)
+        return done.stdout.strip()
+
+    # Pages are what benchmarks and studies write: they change no number.
+    changed = git("status", "--porcelain", "--untracked-files=no", "--", ".", ":!docs")
+    return (git("rev-parse", "--short", "HEAD") or "unknown") + (" with changes" if changed else "")
 
 
 def processor():
@@ -29,3 +35,12 @@ def machine():
 def busy():
     """The machine's load before the numbers are taken, which is what others take of it."""
     return f"load average {os.getloadavg()[0]:.1f} at the start"
+
+
+def line(command):
+    """The last line of a study's page."""
+    return f"Written by `{command}`, commit {commit()}, {machine()}."
+
+
+if __name__ == "__main__":
+    print(line(sys.argv[1]))

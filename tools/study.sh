@@ -10,7 +10,7 @@ program_study() {
   local name=$1 folder=build/studies/$1; shift
   "$umov" study "$name" -o "$folder" "$@"
   /usr/bin/python3 tools/studies/figures.py "$folder/figures.json" -o docs/studies --prefix "$name-" >/dev/null
-  cp "$folder/$name.md" docs/studies/
+  { cat "$folder/$name.md"; echo; /usr/bin/python3 tools/provenance.py "./dev study $name${*:+ $*}"; } >"docs/studies/$name.md"
   echo "page: docs/studies/$name.md; with moving figures: $folder/index.html"
 }
 
