@@ -93,7 +93,7 @@ class DiagnoseMap(UmovCase):
         sources = next(effect for effect in listed if effect["effect"] == "source_exitance")
         self.assertEqual([p["name"] for p in sources["parameters"]], ["source_2", "source_3", "source_4"])
         lobes = {effect.get("family") for effect in listed if effect["effect"] == "near_specular_lobe"}
-        self.assertEqual(lobes, {"alpha 0.06", "alpha 0.12", "alpha 0.24"})
+        self.assertEqual(lobes, {"alpha 0.06", "alpha 0.085", "alpha 0.12", "alpha 0.17", "alpha 0.24"})
         # Another base doubles what surfaces can do; one source cannot be unequal, and stands on no ring.
         other = scene.replace("[surfaces.white]", '[surfaces.grey]\nmodel = "lambertian"\nrho = 0.5\n[surfaces.white]')
         other = other.replace('wall = "white"', 'wall = "white"\nbase = "grey"').replace("count = 4", "count = 1").replace("ring_radius_mm = 8", "ring_radius_mm = 0")

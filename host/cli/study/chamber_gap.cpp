@@ -71,7 +71,7 @@ class GapStudy {
         "Command `{}`. The engine of `umov diagnose` (`host/gap/engine`) is given a luminance map "
         "of the mixing chamber of `studies/chamber.md` at 1 mm a pixel, its noise, a simulation, "
         "and how the simulated map changes with each of eight things that may be wrong. It is not "
-        "told which. Lobes are tried at widths of .06, .12 and .24; the plastic has .1.",
+        "told which. Lobes are tried at widths of .06, .085, .12, .17 and .24; the plastic has .1.",
         options_.command));
     models();
     blind_cases();

@@ -21,8 +21,9 @@ using chamber::Luminaire;
 using chamber::Surface;
 using chamber::View;
 
-/// Widths of lobes that are tried: an octave apart.
-constexpr std::array lobe_widths{0.06, 0.12, 0.24};
+/// Widths of lobes that are tried: half an octave apart, so that two of them stand for one between
+/// without a rest that a source elsewhere would explain.
+constexpr std::array lobe_widths{0.06, 0.085, 0.12, 0.17, 0.24};
 /// Usual errors of a luminaire that fills a window of this size, [M]'s.
 constexpr double usual_size_mm = 60.0;
 /// Of the flux of sources of one kind about its mean.
