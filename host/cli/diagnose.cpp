@@ -65,6 +65,10 @@ void run_luminaire(const Arguments& a, const Common& common) {
 }
 
 void run(Arguments& a, const Common& common) {
+  if (a.effects && !a.surface.empty())
+    throw Error("effects of surfaces depend on what is simulated of the scene; there is no list",
+                "docs/diagnosis.md has them all; umov diagnose brdf.h5 --surface scene.toml tries "
+                "those that the scene allows");
   if (a.effects)
     return print_effects(a.luminaire.empty() ? scan_effects() : luminaire_effects(a.luminaire),
                          common.json);

@@ -40,7 +40,11 @@ struct Options {
 
 ordered_json evenness_json(const Map& map) {
   const chamber::Evenness e = chamber::evenness(map);
-  std::vector<double> errors = map.luminance_se;
+  // Of the pixels that see light.
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < map.luminance_se.size(); ++i)
+    if (map.luminance_cd_m2[i] > 0.0) errors.push_back(map.luminance_se[i]);
+  if (errors.empty()) errors.push_back(0.0);
   const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
   std::nth_element(errors.begin(), middle, errors.end());
   return {{"pixels", map.luminance_cd_m2.size()},
@@ -168,6 +172,12 @@ void run(const Options& options, const Common& common) {
        {options.output, options.exr, options.png, options.ies, options.ldt}) {
     if (!file.empty()) require_product_output({options.scene}, file);
   }
+  const bool writes_or_compares =
+      !(options.output + options.exr + options.png + options.ies + options.ldt + options.compare)
+           .empty();
+  if (options.advise && (writes_or_compares || options.rays_per_pixel > 0.0 || options.rays > 0.0))
+    throw Error("--advise writes no files, compares with none and counts its rays itself",
+                "umov simulate chamber scene.toml --advise [--tolerance-…] [--json]");
   const Ranks ranks;
   chamber::Job job = chamber::read_job(options.scene);
   if (options.rays_per_pixel > 0.0) {
@@ -272,7 +282,7 @@ void run(const Options& options, const Common& common) {
 
 void add_simulate_chamber_command(CLI::App& simulate, const Common& common) {
   auto* command = simulate.add_subcommand(
-      "chamber", "luminance map and intensity distribution of a luminaire of diffuse surfaces");
+      "chamber", "luminance map and intensity distribution of a luminaire of any surfaces");
   command->fallthrough();
   auto options = std::make_shared<Options>();
   command->add_option("scene", options->scene, "scene file (TOML; see host/chamber/README.md)")

@@ -215,6 +215,17 @@ void write_as_table(const Options& options, const Common& common, const surface:
   formats::write_table(options.table, csv ? "table-csv" : "table", table, writing);
 }
 
+// Before anything is simulated.
+void check_table_angles(const std::vector<double>& theta, const Common& common, bool first_rank) {
+  if (!std::is_sorted(theta.begin(), theta.end(), std::less_equal<>()))
+    throw Error("the angles of incidence of a table must rise",
+                "name them in ascending order, each once: --theta-i 20,60");
+  if (theta.size() == 1 && first_rank && !common.quiet)
+    fmt::print(stderr,
+               "note: a table of one incidence says the same of every other; "
+               "--theta-i 0,20,40,60,75 gives it more\n");
+}
+
 // The wavelength that the picture is of.
 std::size_t pictured(const Options& options, const surface::Surface& described) {
   const std::vector<double>& um = described.scene.wavelengths_um;
@@ -262,6 +273,7 @@ void run(const Options& options, const Common& common) {
   SurfaceRun work(options, common, ranks);
   const std::size_t in_picture = pictured(options, described);
   const std::vector<double> theta = work.angles(described);
+  if (!options.table.empty()) check_table_angles(theta, common, work.first_rank());
   catch_interrupts();
   const std::vector<trace::Result> results = work.simulate(lays);
   if (!work.first_rank()) return;

@@ -163,6 +163,8 @@ MixingLaw fit_law(const std::vector<Estimate>& fraction,
     const double next = law.gamma + std::clamp(move, -0.5 * law.gamma, law.gamma);
     if (std::abs(next - law.gamma) <= 1e-12 * law.gamma) break;
     law.gamma = next;
+    // The curve of such a γ is a step: the points follow no law of this form.
+    if (law.gamma < 1e-3 || law.gamma > 1e3) return {undefined, undefined, 0.0, 0, undefined};
   }
   const double scatter = law.points > 1 ? law.chi2 / (law.points - 1) : 1.0;
   law.gamma_u = std::hypot(std::sqrt(std::max(1.0, scatter) / information), by_bare / information,

@@ -103,6 +103,8 @@ class SimulateChamber(UmovCase):
         self.refused("simulate", "chamber", self.scene(SMALL.replace("rho = 0.9", "rho = 1.9")), says=("scene.toml:4", "1.9"))
         self.refused("simulate", "chamber", self.scene(SMALL.replace("flux_lm = 2", "flux_lm = -2")), says=("scene.toml:8", "-2"))
         no_gonio = SMALL.replace("[goniophotometer]\nrays = 100000\nplanes = 4\n", "")
+        self.refused("simulate", "chamber", self.scene(SMALL), "--advise", "-o", "sim.h5", says=("--advise writes no files",))
+        self.refused("simulate", "chamber", self.scene(SMALL), "--advise", "--rays", 1e6, says=("counts its rays itself",))
         self.refused("simulate", "chamber", self.scene(no_gonio), "--ies", "x.ies", says=("x.ies", "goniophotometer"))
 
 

@@ -250,6 +250,10 @@ class SimulateSurface(UmovCase):
         self.refused("simulate", "surface", self.scene(PAINT), "--theta-i", 90, says=("90",))
         self.refused("simulate", "surface", self.scene(PAINT), "--png", "p.png", "--png-nm", 600, says=("600", "--png-nm"))
         self.refused("simulate", "surface", self.scene(PAINT + SOIL), "--mixture", "--exr", "m.exr", says=("--exr",))
+        # Before anything is simulated.
+        self.refused("simulate", "surface", self.scene(PAINT), "--theta-i", "60,20", "--table", "t.csv", "--samples", 1e12,
+                     says=("must rise", "ascending"))
+        self.refused("diagnose", "--effects", "--surface", self.scene(PAINT), says=("no list",))
         self.refused("simulate", "surface", self.scene(PAINT + "gloss = 1\n"), says=("scene.toml:7", "gloss"))
 
 

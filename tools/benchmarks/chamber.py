@@ -26,6 +26,7 @@ def main():
     parser.add_argument("-o", "--output", help="Markdown page to write")
     parser.add_argument("--paths", type=int, default=300000, help="paths a rate is measured with")
     parser.add_argument("--rays", type=int, default=1000, help="rays a pixel of the whole map")
+    parser.add_argument("--noise", type=int, default=3000, help="rays a pixel of the maps whose noise is compared")
     parser.add_argument("--launches", type=int, default=2000000, help="rays of a distribution")
     options = parser.parse_args()
     load = busy()  # before this program adds its own
@@ -58,6 +59,14 @@ def main():
             page.append(f"| {row['wall']} | {1e-6 * row['launches']:.3g} | {1e-6 * row['rays']:.3g} | {row['processor_s']:.2f} | "
                         f"{row['wall_s']:.2f} | {1e6 * row['processor_s'] / row['launches']:.2f} |")
             print(page[-1], flush=True)
+    page += ["", "## Noise", "",
+             "Variance of a pixel times the rays it took, summed over a small map, over that of both samplings weighted (multiple importance",
+             "sampling), which maps use. *Paths alone* find sources by chance; *next event* aims at them at every bounce.", "",
+             "| wall | paths alone | next event | both, weighted | no noisier than the best |", "|---|---|---|---|---|"]
+    for row in measure("noise", options.noise):
+        alone, aimed, both = (row[name] ** 2 for name in ("unidirectional", "next_event", "mis"))
+        page.append(f"| {row['wall']} | {alone / both:.2f} | {aimed / both:.2f} | 1 | {'yes' if both <= 1.02 * min(alone, aimed) else '**no**'} |")
+        print(page[-1], flush=True)
     page[2] = page[2].removesuffix(".") + f", {os.getloadavg()[0]:.1f} at the end with this program's own threads in it."
     if options.output:
         pathlib.Path(options.output).write_text("\n".join(page) + "\n", encoding="utf-8")

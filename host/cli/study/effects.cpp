@@ -281,9 +281,11 @@ Page effects(const Options& options) {
 
   Page page("effects", "The effects that a diagnosis knows", "");
   page.paragraph(
-      "What `umov diagnose` can name: every effect of the catalogue with its place in the signal "
-      "chain, its parameters, what it is taken for, and its signature. `umov diagnose --effects` "
-      "prints the list.");
+      "What `umov diagnose` can name of a scan: every effect of the catalogue with its place in "
+      "the "
+      "signal chain, its parameters, what it is taken for, and its signature. `umov diagnose "
+      "--effects` prints the list (with `--luminaire SCENE` that of a luminance map). Effects of "
+      "maps and of surfaces: `docs/diagnosis.md`.");
   page.paragraph(fmt::format(
       "The pictures show what each effect at its usual size (one sigma of its prior) does to a "
       "scan of the emulated instrument: red gloss paint, {} records, wavelengths {:g} nm, "

@@ -243,6 +243,8 @@ TEST(DiffuseChamber, AgreesWithRadiosityInEveryZone) {
   }
   EXPECT_EQ(d.fate.behind, 0.0);
   EXPECT_EQ(d.fate.lost, 0.0);
+  // And nothing comes or goes but through the opening and into faces.
+  EXPECT_NEAR((d.fate.out + d.fate.absorbed) / d.fate.launched, 1.0, 1e-4);
 }
 
 std::shared_ptr<const Surface> tabulated(double total) {

@@ -113,6 +113,18 @@ TEST(MixingLaw, HoldsWhatIsCommonToAllPoints) {
   EXPECT_NEAR(law.gamma_u, moved, 0.05 * moved);
 }
 
+TEST(MixingLaw, IsNoneWherePointsFollowNone) {
+  // Effective fractions beyond 1 at all coverages, as where materials hardly differ: no γ is large
+  // enough.
+  std::vector<trace::Estimate> f;
+  std::vector<EffectiveFraction> effective;
+  for (const double x : {0.05, 0.1, 0.3}) {
+    f.push_back({x, 1e-3});
+    effective.push_back({{6.0, 0.5}, 0.5});
+  }
+  EXPECT_EQ(fit_law(f, effective).points, 0);
+}
+
 TEST(Mixture, OfNothingHiddenIsTheBareSurface) {
   const auto angles = analyse_mixture(scene(spheres), request({20.0}));
   const MixtureAngle& angle = angles.at(0);
