@@ -33,7 +33,7 @@ serves six axes in turn. None is lost (`test_mcu_board --gtest_filter='StepEdges
 {limits}
 
 The stopping distance is what a stop at the end of the acceleration takes: the rest of the way to full speed, (a/j)(v - a²/6j), the
-ramp, v²/2a + va/2j (both less where a or v is not reached), and 2 ms of the speed, as a limit switch is found in a step's interrupt and the stop planned in the next tick (`firmware/core/motion/stopping_distance.hpp`). Phase bias over 1,000 records at 1013.7, 777.777 and 3141.592 Hz: `test_firmware
+ramp, v²/2a + va/2j (both less where a or v is not reached), and 2 ms of the speed, as a limit switch is found in a step's interrupt and the stop planned in the next tick (`firmware/core/motion/stopping_distance.hpp`). Phase bias of the native core over 1,000 records at 1013.7, 777.777 and 3141.592 Hz: `test_firmware
 --gtest_filter='*NoPhaseBias*'` prints it (below 3e-7 rad) and holds it below 1e-6 rad.
 
 ## External reference
