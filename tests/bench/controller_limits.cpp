@@ -1,6 +1,6 @@
 // Long runs of the controller: steps lost or doubled, ways beyond a limit switch, records over a
 // bad link, the integrator against a wider one, payload over USB. Markdown on stdout; exit 1 where
-// a count is wrong.
+// a count is wrong or a bound missed.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -366,11 +366,18 @@ void usb_payload(const std::string& image) {
     board.run_for(packet_us);
   }
   const double spent_s = mcu::seconds(board.chip().now()) - begin_s;
+  // The bound of the project, MB/s.
+  constexpr double least = 1.0;
+  const double rate = 1e-6 * static_cast<double>(payload) / spent_s;
+  const bool enough = rate >= least;
   std::printf(
       "| USB, bulk pipe, virtual time | %.1f MB of records' payload, a packet offered each 50 "
-      "µs (1.28 MB/s) | %.2f MB/s payload, %.2f MB/s on the wire |\n",
-      1e-6 * static_cast<double>(payload), 1e-6 * static_cast<double>(payload) / spent_s,
+      "µs (1.28 MB/s) | %.2f MB/s payload%s, %.2f MB/s on the wire |\n",
+      1e-6 * static_cast<double>(payload), rate, enough ? "" : " (**missed**: at least 1.0)",
       1e-6 * static_cast<double>(wire) / spent_s);
+  if (enough) return;
+  std::fprintf(stderr, "missed: USB carries %.2f MB/s of payload, less than %.1f\n", rate, least);
+  all_good = false;
 }
 
 }  // namespace
