@@ -239,7 +239,7 @@ class ScanSurvives(UmovCase):
 
     def test_numbers_for_the_controller_are_read_whole_and_in_range(self):
         for setting in ("max_deg=4300", "max_deg=85abc", "max_deg=nan", "speed_deg_s=-1", "max_deg"):
-            self.refused("device", "config", "set", "detector", setting, says=[setting.split("=")[-1]])
+            self.refused("device", "config", "set", "detector", setting, "--device", "emulator", says=[setting.split("=")[-1]])
         for angle in ("nan", "inf", "12x", "2147.483648"):
             self.refused("device", "jog", "detector", angle, says=["angle"])
 
