@@ -234,7 +234,7 @@ int main(int argc, char** argv) {
   if (all_met) return 0;
   std::fprintf(
       stderr,
-      "bench_usb_path: missed: at least %.0f MB/s of payload over usb, heard within %.0f s\n",
+      "bench_usb_path: a bound is missed (%.0f MB/s of payload over usb, heard within %.0f s)\n",
       least_mb_s, most_recovery_s);
   return 1;
 }
