@@ -37,6 +37,7 @@ void add_device_options(CLI::App& command, DeviceChoice& choice) {
   command
       .add_option("--device", choice.device,
                   "emulator, usb[:SERIAL], hid[:SERIAL], serial:PATH[?baud=N] or tcp:HOST:PORT")
+      ->each([&choice](const std::string&) { choice.named = true; })
       ->capture_default_str();
   add_plant_options(command, choice);
 }

@@ -19,6 +19,7 @@ namespace umov::cli {
 /// What the user said about the instrument. All but the first concern the embedded emulator only.
 struct DeviceChoice {
   std::string device = "emulator";
+  bool named = false;  ///< by --device
   std::string sample;  ///< empty: by the plan's sample name
   std::string preset = "ideal";
   std::string plant_file;

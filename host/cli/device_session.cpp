@@ -17,6 +17,11 @@ constexpr std::chrono::seconds axis_limit{120};
 }  // namespace
 
 instrument::Session open_session(const DeviceChoice& device, const Common& common) {
+  if (!device.named && !common.quiet) {
+    fmt::print(stderr,
+               "no --device given: this is an emulated controller, which ends with this command "
+               "(umov device list shows what is plugged in)\n");
+  }
   return instrument::Session(connector(device, "white-99", common.seed)());
 }
 

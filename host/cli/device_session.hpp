@@ -17,6 +17,7 @@
 
 namespace umov::cli {
 
+/// Says on stderr when it is the embedded emulator only because no device was named.
 instrument::Session open_session(const DeviceChoice& device, const Common& common);
 
 /// Lets the controller work for a moment; events are forgotten.

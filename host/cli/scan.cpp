@@ -173,6 +173,11 @@ void run(const Options& options, const Common& common) {
   run_options.progress = [&](const scan::RunProgress& now) {
     progress.update(now.done, now.total, now.note);
   };
+  run_options.tell = [&](const std::string& what) {
+    if (common.quiet) return;
+    progress.finish();
+    fmt::print(stderr, "{}\n", what);
+  };
   run_options.keep_going = [] { return !interrupt_flag().load(); };
   check_arrangements(parts, options, static_cast<bool>(run_options.arrange));
   if (options.resume) {

@@ -3,8 +3,11 @@
 
 #include <gpiod.h>
 
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -34,14 +37,40 @@ Line request(const BootLineNames& names, gpiod_chip* chip, unsigned number, int 
   return Line(raw);
 }
 
+/// A GPIO chip that this user may not open; empty when there is none.
+std::string closed_chip() {
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator("/dev", none)) {
+    const auto name = entry.path().filename().string();
+    if (name.starts_with("gpiochip") && ::access(entry.path().c_str(), R_OK | W_OK) != 0 &&
+        errno == EACCES) {
+      return entry.path();
+    }
+  }
+  return {};
+}
+
+/// libgpiod looks chips up by name and label, for which it opens all: one that is closed ends the
+/// search, and what it reports then is that there is none of that name.
+[[noreturn]] void throw_no_chip(const std::string& name, int reason) {
+  const std::string closed = closed_chip();
+  if (!closed.empty()) {
+    throw Error({name}, "you may not open the GPIO chip at " + closed,
+                "run as root, or add a rule for udev: SUBSYSTEM==\"gpio\", KERNEL==\"gpiochip*\", "
+                "MODE=\"0660\", GROUP=\"plugdev\"");
+  }
+  if (reason == ENOENT || reason == ENODEV) {
+    throw Error({name}, "no such GPIO chip", "gpiodetect lists the chips there are");
+  }
+  throw Error({name}, std::string("the GPIO chip can't be opened: ") + std::strerror(reason),
+              "gpiodetect lists the chips there are");
+}
+
 class GpiodPins final : public BootPins {
  public:
   explicit GpiodPins(const BootLineNames& names)
       : name_(names.chip), chip_(gpiod_chip_open_lookup(names.chip.c_str())) {
-    if (!chip_) {
-      throw Error({names.chip}, std::string("no such GPIO chip: ") + std::strerror(errno),
-                  "gpiodetect lists the chips there are");
-    }
+    if (!chip_) throw_no_chip(names.chip, errno);
     boot0_ = request(names, chip_.get(), names.boot0, 0, 0);
     nrst_ = request(names, chip_.get(), names.nrst, 1, GPIOD_LINE_REQUEST_FLAG_OPEN_DRAIN);
   }

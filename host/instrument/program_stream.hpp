@@ -44,7 +44,8 @@ struct StreamCounters {
   std::uint64_t rows_sent = 0;
   std::uint64_t rows_sent_again = 0;
   std::uint64_t programs_begun = 0;
-  std::uint64_t programs_joined = 0;  ///< found running at attach()
+  std::uint64_t programs_joined = 0;    ///< found running at attach()
+  std::uint64_t link_lost_cleared = 0;  ///< times that fault was found latched and cleared
 };
 
 /// Lives as long as the scan, over any number of sessions:

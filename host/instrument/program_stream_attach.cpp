@@ -25,14 +25,19 @@ bool ProgramStream::holds_ours(const protocol::Status& status) const {
 
 protocol::Status ProgramStream::status_without_fault() {
   const std::uint64_t deadline = session_->clock_us() + to_us(rest_timeout);
+  bool clearing = false;
   for (;;) {
     const protocol::Status status = session_->request(protocol::GetStatus{});
     const auto fault = static_cast<Fault>(status.fault);
-    if (fault == Fault::none) return status;
+    if (fault == Fault::none) {
+      if (clearing) ++counters_.link_lost_cleared;
+      return status;
+    }
     // That fault says only that we were away; we are back.
     if (fault != Fault::link_lost || session_->clock_us() >= deadline) {
       throw Faulted(session_->name(), status.fault, "");
     }
+    clearing = true;
     try {
       session_->request(protocol::ClearFault{status.fault});
       continue;

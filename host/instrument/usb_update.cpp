@@ -179,8 +179,7 @@ std::unique_ptr<DfuPipe> open_rom_loader(std::chrono::seconds limit) {
     }
     if (std::chrono::steady_clock::now() >= deadline) {
       if (code == LIBUSB_ERROR_ACCESS) {
-        throw Error({name}, "you may not open it",
-                    "run as root, or add a rule for udev for 0483:df11");
+        throw Error({name}, "you may not open it", permission_remedy());
       }
       throw Error({name}, "it does not appear on USB",
                   "check the USB cable and the lines BOOT0 (high) and NRST (a pulse to low)");

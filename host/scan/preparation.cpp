@@ -33,6 +33,7 @@ class Preparation {
       return true;
     if (status.fault == static_cast<std::uint8_t>(protocol::Fault::link_lost)) {
       clear_link_lost(session);
+      if (options_.link_lost_cleared) options_.link_lost_cleared();
     } else if (status.fault != 0) {
       throw instrument::Faulted(session.name(), status.fault, "before the scan began");
     }

@@ -15,6 +15,7 @@ struct PreparationOptions {
   bool discard_records = false;  ///< of another scan, that the controller still holds
   std::function<bool()> wanted;  ///< false: the scan was called off
   std::function<void(const std::string& what)> note;  ///< what takes time ("homing"); may be empty
+  std::function<void()> link_lost_cleared;  ///< told when that fault was cleared; may be empty
 };
 
 /// Brings an idle controller into the state that the plan needs (faults of a lost link cleared,

@@ -260,7 +260,9 @@ class Runner {
                                              [this](const std::string& what) {
                                                if (options_.progress)
                                                  options_.progress({next_, summary_.total, what});
-                                             }};
+                                             },
+                                         .link_lost_cleared = [this] { tell_of_link_lost(); }};
+    std::uint64_t told_of = 0;
     for (;;) {
       try {
         Session session(connect(sink_.has_value()));
@@ -286,6 +288,10 @@ class Runner {
           sink_->connect(device);
           const auto before = stream->next_index();
           return stream->run(session, [&](const ProgramStream& now) {
+            if (now.counters().link_lost_cleared > told_of) {
+              told_of = now.counters().link_lost_cleared;
+              tell_of_link_lost();
+            }
             if (now.next_index() > before) {
               tries_left = options_.reconnects;
               wait = options_.reconnect_wait;
@@ -343,6 +349,14 @@ class Runner {
     } catch (const Error& error) {
       throw LinkLost(error.place().file, error.problem());
     }
+  }
+
+  /// The controller went dark and this program turns its light on again: nobody else says so.
+  void tell_of_link_lost() const {
+    if (!options_.tell) return;
+    options_.tell(
+        "the controller had gone dark because no host spoke for 3 s (link_lost); the scan has "
+        "cleared that fault and goes on");
   }
 
   bool wanted() const { return !options_.keep_going || options_.keep_going(); }

@@ -30,6 +30,7 @@ struct RunOptions {
   /// Opens the pipe to the controller; called again after a lost link.
   std::function<std::unique_ptr<instrument::Transport>()> connect;
   std::function<void(const RunProgress&)> progress;  ///< may be empty
+  std::function<void(const std::string&)> tell;      ///< what the user should know of; may be empty
   std::function<bool()> keep_going;                  ///< false: stop and keep what is there
   /// Changes the set-up for blocks that need it, and undoes it; empty: such plans are refused.
   Arranger arrange;

@@ -1,6 +1,7 @@
 // How fast the controller's frames come through a real kernel: the firmware's USB stack floods, the
 // host's transport takes and checks every frame. And how soon a controller that was plugged in
-// again is heard. Runs where it may plug a device into the kernel: ./dev lab -- …/bench_usb_path
+// again is heard; exit 1 where a bound is missed. Runs where it may plug a device into the kernel:
+// ./dev lab -- …/bench_usb_path
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -32,6 +33,8 @@ using Bytes = std::vector<std::uint8_t>;
 
 constexpr const char* bus_id = "1-1";
 constexpr std::uint32_t pattern_frames = 4096;
+/// The bounds of the project; the rate is that of payload over the bulk pipes.
+constexpr double least_mb_s = 5, most_recovery_s = 2;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -181,6 +184,11 @@ Rate take(instrument::Transport& transport, std::size_t total) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  bool all_met = true;
+  const auto met = [&](bool good) {
+    all_met = all_met && good;
+    return good ? "" : " – missed";
+  };
   const double megabytes = argc > 1 ? std::atof(argv[1]) : 10;
   try {
     const Bytes pattern = record_frames(pattern_frames);
@@ -196,10 +204,11 @@ int main(int argc, char** argv) {
       greet(*transport);
       const double share = name == "usb" ? 1.0 : 0.01;
       const Rate rate = take(*transport, static_cast<std::size_t>(share * 1e6 * megabytes));
-      std::printf("%s: %.2f MB/s of frames, %.2f MB/s of payload, %llu frames, %llu lost\n",
+      std::printf("%s: %.2f MB/s of frames, %.2f MB/s of payload, %llu frames, %llu lost%s\n",
                   name.c_str(), rate.mb_s, payload * rate.mb_s,
                   static_cast<unsigned long long>(rate.frames),
-                  static_cast<unsigned long long>(rate.lost));
+                  static_cast<unsigned long long>(rate.lost),
+                  met(name != "usb" || payload * rate.mb_s >= least_mb_s));
       std::fflush(stdout);
       transport.reset();
     }
@@ -214,12 +223,18 @@ int main(int argc, char** argv) {
         if (transport->read(first, std::chrono::seconds(5)) == 0) throw Error("no byte came", "");
         worst = std::max(worst, seconds_since(plugged_in));
       }
-      std::printf("%s: heard %.2f s after it was plugged in again (worst of 3)\n", name.c_str(),
-                  worst);
+      std::printf("%s: heard %.2f s after it was plugged in again (worst of 3)%s\n", name.c_str(),
+                  worst, met(worst <= most_recovery_s));
       std::fflush(stdout);
     }
   } catch (const Error& error) {
     std::fprintf(stderr, "bench_usb_path: %s\n", error.what());
     return 1;
   }
+  if (all_met) return 0;
+  std::fprintf(
+      stderr,
+      "bench_usb_path: a bound is missed (%.0f MB/s of payload over usb, heard within %.0f s)\n",
+      least_mb_s, most_recovery_s);
+  return 1;
 }

@@ -30,6 +30,12 @@ class Device(UmovCase):
         self.refused("device", "config", "set", "lockin", "colour=1", *on, says=["'colour'", "reference_hz"])
         self.refused("device", "config", "get", "arm", *on, says=["no axis 'arm'"])
 
+    def test_a_command_without_a_device_says_that_it_is_an_emulated_one(self):
+        for command in (("jog", "detector", "3"), ("home", "filter"), ("log",), ("selftest",), ("config", "save"), ("info",)):
+            self.assertIn("no --device given", self.must("device", *command).stderr, command)
+            self.assertEqual(self.must("device", *command, "--quiet").stderr, "", command)
+            self.assertEqual(self.must("device", *command, "--device", "emulator").stderr, "", command)
+
     def test_a_selftest_finds_what_is_wrong_and_says_what_to_look_at(self):
         still = self.must("device", "selftest", "--json").stdout
         self.assertEqual({check["outcome"] for check in json.loads(still)}, {"good", "skipped"})

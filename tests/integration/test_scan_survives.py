@@ -220,9 +220,26 @@ class ScanSurvives(UmovCase):
         self.assertIn("cleared link_lost", self.must("device", "log", "--clear", "--device", device).stdout)
         self.assertIn("fault none", self.must("device", "info", "--device", device).stdout)
 
+    def test_a_scan_that_is_stopped_for_longer_than_the_heartbeat_goes_on_and_says_so(self):
+        _, device = self.emulator("--sample", "red-gloss", "--real-time")
+        self.write("slow.toml", PLAN.replace("[532, 633]", "[532]").replace("[30, 60]", "[30]").replace("step = 1", "step = 2"))
+        scan = self.start("scan", "slow.toml", "-o", "scan.h5", "--device", device)
+        self.wait_for_journal(scan, 4_000)
+        scan.send_signal(signal.SIGSTOP)
+        time.sleep(4)  # the controller waits 3 s for a host while it moves or shines
+        scan.send_signal(signal.SIGCONT)
+        _, message = scan.communicate(timeout=100)
+        self.assertEqual(scan.returncode, 0, message)
+        self.assertEqual(message.count("link_lost"), 1, message)
+        rows = self.records("scan.h5")
+        self.assertEqual([int(row["index"]) for row in rows], list(range(61 * 2)))
+        times = [float(row["time_s"]) for row in rows]
+        self.assertEqual(times, sorted(times))
+        self.assertIn("link_lost", self.must("device", "log", "--device", device).stdout)
+
     def test_numbers_for_the_controller_are_read_whole_and_in_range(self):
         for setting in ("max_deg=4300", "max_deg=85abc", "max_deg=nan", "speed_deg_s=-1", "max_deg"):
-            self.refused("device", "config", "set", "detector", setting, says=[setting.split("=")[-1]])
+            self.refused("device", "config", "set", "detector", setting, "--device", "emulator", says=[setting.split("=")[-1]])
         for angle in ("nan", "inf", "12x", "2147.483648"):
             self.refused("device", "jog", "detector", angle, says=["angle"])
 

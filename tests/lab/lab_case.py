@@ -55,6 +55,17 @@ def controllers():
             if path.read_text().strip() == "Umov"]
 
 
+def chip_of_adapter():
+    """The name that the kernel gave the GPIO adapter, or None. Its number may differ after a replug, its label does not."""
+    listed = subprocess.run(["gpiodetect"], capture_output=True, text=True, check=False).stdout
+    chips = [line.split()[0] for line in listed.splitlines() if "mcp2221_gpio" in line]
+    return chips[-1] if chips else None
+
+
+def set_line(chip, line, level):
+    subprocess.run(["gpioset", chip, f"{line}={level}"], check=True, timeout=20)
+
+
 class LabCase(UmovCase):
     def plug_in(self, *options):
         """An emulator plugged straight into this kernel; returns (process, serial number)."""
@@ -101,11 +112,16 @@ class LabCase(UmovCase):
             self.references[step] = kept
         return self.references[step]
 
-    def wait_for_records(self, process, bytes_at_least):
+    def fault(self):
+        """Name of the latched fault, and whether the interlock is open or closed."""
+        info = self.must("device", "info", "--device", "usb").stdout
+        return info.split("fault ")[1].split(",")[0], info.split("interlock ")[1].split()[0]
+
+    def wait_for_records(self, process, bytes_at_least, seconds=60):
         def grown():
             self.assertIsNone(process.poll(), "the scan ended before it could be disturbed")
             return any(path.stat().st_size > bytes_at_least for path in self.folder.glob("*.journal"))
-        wait_until(grown, "the journal grows", 60)
+        wait_until(grown, "the journal grows", seconds)
 
     def expect_same_records(self, file, reference, rows):
         """Every record once, equal to the reference in every bit but those of the time."""

@@ -5,7 +5,7 @@ import signal
 import subprocess
 import unittest
 
-from lab_case import LabCase, wait_until
+from lab_case import LabCase, chip_of_adapter, set_line, wait_until
 
 BOOT0, NRST, INTERLOCK = 0, 1, 2
 IMAGE = os.environ.get("UMOV_BOARD_IMAGE", "").replace(".elf", ".dfu")
@@ -15,26 +15,15 @@ class Gpio(LabCase):
     def setUp(self):
         super().setUp()
         self.process, _ = self.plug_in("--gpio-adapter")
-        # The number of the chip may differ after a replug, its label does not.
-        self.chip = wait_until(self.chip_of_adapter, "the driver makes a GPIO chip")
-
-    @staticmethod
-    def chip_of_adapter():
-        listed = subprocess.run(["gpiodetect"], capture_output=True, text=True, check=False).stdout
-        chips = [line.split()[0] for line in listed.splitlines() if "mcp2221_gpio" in line]
-        return chips[-1] if chips else None
+        self.chip = wait_until(chip_of_adapter, "the driver makes a GPIO chip")
 
     def set(self, line, level):
-        subprocess.run(["gpioset", self.chip, f"{line}={level}"], check=True, timeout=20)
+        set_line(self.chip, line, level)
 
     def get(self, line):
         out = subprocess.run(["gpioget", self.chip, str(line)], check=True, timeout=20,
                              capture_output=True, text=True).stdout
         return int(out)
-
-    def fault(self):
-        info = self.must("device", "info", "--device", "usb").stdout
-        return info.split("fault ")[1].split(",")[0], info.split("interlock ")[1].split()[0]
 
     def test_the_chip_has_four_lines_at_the_levels_of_the_board(self):
         label = subprocess.run(["gpioinfo", self.chip], capture_output=True, text=True, check=True).stdout

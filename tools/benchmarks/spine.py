@@ -55,6 +55,8 @@ def main():
     parser.add_argument("-o", "--output", help="Markdown page to write")
     options = parser.parse_args()
     page = ["# Benchmarks", "", "Whole commands, best of three, one thread.", "",
+            "Other pages: [controller](benchmarks_controller.md), [sampling](benchmarks_sampling.md),",
+            "[ray tracing](benchmarks_trace.md), [chamber](benchmarks_chamber.md); over USB: [usb.md](usb.md#figures).", "",
             f"Command `./dev bench spine`, commit {commit()}, {machine()}, {busy()}.", "",
             "| records | scan [s] | instrument time [s] | inversion [s] | χ²/dof | BFGS, paper's objective [s] |", "|---|---|---|---|---|---|"]
     with tempfile.TemporaryDirectory(prefix="umov-bench-") as name:

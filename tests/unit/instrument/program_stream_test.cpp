@@ -317,6 +317,7 @@ TEST(ProgramStream, ALinkLostFaultIsClearedByTheHostThatCameBack) {
   Session session(plug_into(cable));
   EXPECT_TRUE(stream.run(session));
   EXPECT_EQ(sink.safe(), 60u);
+  EXPECT_EQ(stream.counters().link_lost_cleared, 1u);
 }
 
 TEST(ProgramStream, AFaultFoundWhenAttachingIsNotCleared) {

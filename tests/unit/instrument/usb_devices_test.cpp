@@ -75,6 +75,7 @@ TEST(UsbDevices, TheRuleForUdevIsAboutTheIdsOfTheFirmware) {
   const std::string rule = udev_rule();
   EXPECT_THAT(rule, HasSubstr("ATTR{idVendor}==\"1209\", ATTR{idProduct}==\"0001\""));
   EXPECT_THAT(rule, HasSubstr("ATTR{idProduct}==\"0002\"")) << "the boot loader";
+  EXPECT_THAT(rule, HasSubstr("ATTR{idVendor}==\"0483\", ATTR{idProduct}==\"df11\"")) << "ST's ROM";
   EXPECT_THAT(rule, HasSubstr("KERNEL==\"hidraw*\""));
   EXPECT_THAT(rule, HasSubstr("ATTR{manufacturer}==\"Umov\""));
 }
