@@ -18,6 +18,9 @@ if(UMOV_SANITIZE)
   target_link_options(umov_options INTERFACE -fsanitize=address,undefined)
 endif()
 
+# For tests and the command line, which spend their time in libraries: a third less time to build.
+set(umov_quick_to_build $<$<CONFIG:Release>:-O1>)
+
 # umov_library(NAME [DEPENDS libs…]): a static library of all *.cpp in the current folder.
 function(umov_library name)
   cmake_parse_arguments(arg "" "" "DEPENDS;EXCLUDE" ${ARGN})
@@ -48,6 +51,7 @@ function(umov_test folder)
   add_executable(test_${name} ${sources})
   target_link_libraries(test_${name} PRIVATE umov_options ${arg_DEPENDS} GTest::gtest GTest::gmock
                                              GTest::gtest_main)
+  target_compile_options(test_${name} PRIVATE ${umov_quick_to_build})
   target_compile_definitions(test_${name} PRIVATE UMOV_SOURCE_DIR="${CMAKE_SOURCE_DIR}"
                                                   UMOV_TEST_DATA="${CMAKE_SOURCE_DIR}/tests/data")
   gtest_discover_tests(test_${name} TEST_PREFIX "${name}." DISCOVERY_MODE PRE_TEST
