@@ -252,7 +252,8 @@ class GapStudy {
         "random numbers: the diagnosis' linear changes are only near them. These changes are "
         "smoothed as far as two halves of their rays agree (`host/gap/chamber/smoothing.hpp`): "
         "with its noise a fit would take the change by the edges, which few and bright paths make, "
-        "too small. A change in proportion does not tell all that edges of 25 % do: in every seed that "
+        "too small. A change in proportion does not tell all that edges of 25 % do: in every seed "
+        "that "
         "was tried the depth of the sources is named for what is left.");
   }
 
