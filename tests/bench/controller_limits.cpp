@@ -230,18 +230,20 @@ void frames_of_core(std::uint64_t wanted) {
     instrument::Session session(rig.connect());
     test::home_all(session);
   }
-  bench::Damage damage{.faults = bad_cable, .counters = {}, .random = std::mt19937_64(78)};
-  damage.faults.disconnect = 1e-4;
+  instrument::testing::BadCable cable;
+  cable.random.seed(78);
+  cable.faults = bad_cable;
+  cable.faults.disconnect = 1e-4;
   const auto rows = static_cast<std::uint32_t>(wanted / 5);
   test::Records records;
   instrument::ProgramStream stream({.program_id = 78, .row_count = rows}, short_row, records);
   run_to_the_end(stream,
-                 [&] { return std::make_unique<bench::DamagedPipe>(rig.connect(), damage); });
+                 [&] { return std::make_unique<bench::DamagedPipe>(rig.connect(), cable); });
   require(records.all.size() == rows, "records of the native core at the end");
   for (std::uint32_t i = 0; i < records.all.size(); ++i)
     require(records.all[i].index == i, "a record of the native core twice or out of order");
-  require(damage.counters.frames >= wanted, "too few frames to the native core");
-  print_frames("host against the native core", damage.counters, rows);
+  require(cable.counters.frames >= wanted, "too few frames to the native core");
+  print_frames("host against the native core", cable.counters, rows);
 }
 
 /// Every sum in 128 bits, rounded where the integrator says it rounds, and compared to the last

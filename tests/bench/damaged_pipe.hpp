@@ -1,11 +1,9 @@
-// Another transport behind a bad cable: its frames are damaged, dropped, doubled, swapped, and the
-// pipe breaks. Seeded.
+// Any transport behind a bad cable.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 #include <memory>
-#include <random>
 #include <span>
 #include <string>
 #include <utility>
@@ -13,29 +11,19 @@
 
 #include "host/instrument/link_lost.hpp"
 #include "host/instrument/transport.hpp"
-#include "tests/unit/instrument/simulated_link.hpp"
+#include "tests/unit/instrument/bad_cable.hpp"
 
 namespace umov::bench {
 
-/// What outlives the pipes that break.
-struct Damage {
-  instrument::testing::LinkFaults faults;
-  instrument::testing::LinkCounters counters;
-  std::mt19937_64 random;
-
-  bool happens(double probability) {
-    return static_cast<double>(random() >> 11) * 0x1p-53 < probability;
-  }
-};
-
+/// The bytes of the transport inside, cut into frames at their zeros.
 class DamagedPipe final : public instrument::Transport {
  public:
-  DamagedPipe(std::unique_ptr<instrument::Transport> inner, Damage& damage)
-      : inner_(std::move(inner)), damage_(&damage) {}
+  DamagedPipe(std::unique_ptr<instrument::Transport> inner, instrument::testing::BadCable& cable)
+      : inner_(std::move(inner)), cable_(&cable) {}
 
   void write(std::span<const std::uint8_t> bytes) override {
     check();
-    to_device_.feed(bytes, *damage_, broken_);
+    feed(bytes, to_device_);
     check();
     if (!to_device_.out.empty()) inner_->write(std::exchange(to_device_.out, {}));
   }
@@ -45,7 +33,7 @@ class DamagedPipe final : public instrument::Transport {
     if (to_host_.out.empty()) {
       Bytes bytes(4096);
       bytes.resize(inner_->read(bytes, timeout));
-      to_host_.feed(bytes, *damage_, broken_);
+      feed(bytes, to_host_);
       check();
     }
     const std::size_t count = std::min(buffer.size(), to_host_.out.size());
@@ -61,59 +49,30 @@ class DamagedPipe final : public instrument::Transport {
  private:
   using Bytes = std::vector<std::uint8_t>;
 
-  /// One direction: bytes go in, whole frames (up to their zero) are carried as badly as told.
   struct Direction {
     Bytes frame, held, out;
-
-    void feed(std::span<const std::uint8_t> bytes, Damage& damage, bool& broken) {
-      for (const auto byte : bytes) {
-        if (broken) return;
-        frame.push_back(byte);
-        if (byte == 0) carry(std::exchange(frame, {}), damage, broken);
-      }
-    }
-    void carry(const Bytes& whole, Damage& damage, bool& broken) {
-      if (whole.size() == 1) {  // an empty frame: clears what lies in the pipe
-        out.push_back(0);
-        return;
-      }
-      ++damage.counters.frames;
-      if (damage.happens(damage.faults.disconnect)) {
-        ++damage.counters.disconnects;
-        broken = true;
-        return;
-      }
-      if (damage.happens(damage.faults.drop)) {
-        ++damage.counters.dropped;
-        return;
-      }
-      const bool twice = damage.happens(damage.faults.duplicate);
-      damage.counters.duplicated += twice ? 1 : 0;
-      for (int copy = 0; copy < (twice ? 2 : 1); ++copy) {
-        Bytes bytes = whole;
-        for (auto& byte : bytes) {
-          if (!damage.happens(damage.faults.byte_error)) continue;
-          byte = static_cast<std::uint8_t>(byte ^ (1u << (damage.random() % 8)));
-          ++damage.counters.damaged_bytes;
-        }
-        if (held.empty() && damage.happens(damage.faults.reorder)) {
-          ++damage.counters.reordered;
-          held = std::move(bytes);
-          continue;
-        }
-        out.insert(out.end(), bytes.begin(), bytes.end());
-        out.insert(out.end(), held.begin(), held.end());
-        held.clear();
-      }
-    }
   };
+
+  void feed(std::span<const std::uint8_t> bytes, Direction& way) {
+    for (const auto byte : bytes) {
+      if (broken_) return;
+      way.frame.push_back(byte);
+      if (byte != 0) continue;
+      const Bytes frame = std::exchange(way.frame, {});
+      if (frame.size() == 1) {
+        way.out.push_back(0);  // an empty frame: clears what lies in the pipe
+      } else if (!cable_->carry(frame, way.held, way.out)) {
+        broken_ = true;
+      }
+    }
+  }
 
   void check() const {
     if (broken_) throw instrument::LinkLost(name(), "connection lost");
   }
 
   std::unique_ptr<instrument::Transport> inner_;
-  Damage* damage_;
+  instrument::testing::BadCable* cable_;
   Direction to_device_, to_host_;
   bool broken_ = false;
 };

@@ -61,7 +61,7 @@ def main():
             print(page[-1], flush=True)
     page += ["", "## Noise", "",
              "Variance of a pixel times the rays it took, summed over a small map, over that of both samplings weighted (multiple importance",
-             "sampling), which maps use. *Paths alone* find sources by chance; *next event* aims at them at every bounce.", "",
+             "sampling), which maps use; within 2 % counts as equal. *Paths alone* find sources by chance; *next event* aims at them at every bounce.", "",
              "| wall | paths alone | next event | both, weighted | no noisier than the best |", "|---|---|---|---|---|"]
     for row in measure("noise", options.noise):
         alone, aimed, both = (row[name] ** 2 for name in ("unidirectional", "next_event", "mis"))

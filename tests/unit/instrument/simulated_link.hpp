@@ -5,48 +5,23 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
-#include <random>
 #include <span>
 #include <string>
 #include <utility>
 
 #include "host/instrument/link_lost.hpp"
 #include "host/instrument/transport.hpp"
+#include "tests/unit/instrument/bad_cable.hpp"
 #include "tests/unit/instrument/simulated_device.hpp"
 
 namespace umov::instrument::testing {
 
-/// Probabilities of what can go wrong.
-struct LinkFaults {
-  double byte_error = 0;  ///< per byte: one bit flips
-  double drop = 0;        ///< per frame
-  double duplicate = 0;   ///< per frame
-  double reorder = 0;     ///< per frame: it comes after its successor
-  double disconnect = 0;  ///< per frame: the pipe breaks, with what is in it
-};
-
-struct LinkCounters {
-  std::uint64_t frames = 0;
-  std::uint64_t damaged_bytes = 0;
-  std::uint64_t dropped = 0;
-  std::uint64_t duplicated = 0;
-  std::uint64_t reordered = 0;
-  std::uint64_t disconnects = 0;
-};
-
 /// The cable: outlives the transports plugged into it.
-struct Cable {
+struct Cable : BadCable {
   SimulatedDevice device;
-  LinkFaults faults;
-  LinkCounters counters;
-  std::mt19937_64 random{1};
   Bytes stale;                   ///< what the next host finds in the pipe
   std::uint64_t one_way_us = 0;  ///< latency of each direction
   std::uint64_t jitter_us = 0;   ///< up to this much more, from host to device only
-
-  bool happens(double probability) {
-    return probability > 0 && static_cast<double>(random() >> 11) * 0x1p-53 < probability;
-  }
 };
 
 class SimulatedLink final : public Transport {
@@ -104,36 +79,8 @@ class SimulatedLink final : public Transport {
     }
   }
 
-  void carry(Bytes frame, Bytes& held, Bytes& out) {
-    Cable& cable = *cable_;
-    ++cable.counters.frames;
-    if (cable.happens(cable.faults.disconnect)) {
-      ++cable.counters.disconnects;
-      broken_ = true;
-      return;
-    }
-    if (cable.happens(cable.faults.drop)) {
-      ++cable.counters.dropped;
-      return;
-    }
-    const bool twice = cable.happens(cable.faults.duplicate);
-    cable.counters.duplicated += twice ? 1 : 0;
-    for (int copy = 0; copy < (twice ? 2 : 1); ++copy) {
-      Bytes bytes = frame;
-      for (auto& byte : bytes) {
-        if (!cable.happens(cable.faults.byte_error)) continue;
-        byte = static_cast<std::uint8_t>(byte ^ (1u << (cable.random() % 8)));
-        ++cable.counters.damaged_bytes;
-      }
-      if (held.empty() && cable.happens(cable.faults.reorder)) {
-        ++cable.counters.reordered;
-        held = std::move(bytes);
-        continue;
-      }
-      out.insert(out.end(), bytes.begin(), bytes.end());
-      out.insert(out.end(), held.begin(), held.end());
-      held.clear();
-    }
+  void carry(const Bytes& frame, Bytes& held, Bytes& out) {
+    if (!cable_->carry(frame, held, out)) broken_ = true;
   }
 
   Cable* cable_;
