@@ -132,6 +132,12 @@ void Scene::add_height_field(std::size_t nx, std::size_t ny, const std::vector<d
   meshes.push_back(std::move(mesh));
 }
 
+std::uint64_t Scene::faces() const {
+  std::uint64_t count = spheres.size() + tubes.size() + plates.size();
+  for (const Triangles& mesh : meshes) count += mesh.faces.size();
+  return count;
+}
+
 void Scene::check() const {
   const std::size_t count = wavelengths_um.size();
   if (count == 0) refuse("it has no wavelength", "give at least one");

@@ -61,10 +61,12 @@ struct Scene {
   void add_height_field(std::size_t nx, std::size_t ny, const std::vector<double>& heights,
                         MaterialId material);
 
+  /// Spheres, triangles and round faces.
+  std::uint64_t faces() const;
+
   /// Throws umov::Error that says which value is wrong: spectra that do not fit the wavelengths,
-  /// indices <= 0, albedos outside 0 to 1, radii <= 0, spheres wider than half a periodic domain, round
-  /// faces in one,
-  /// unknown materials, an empty domain.
+  /// indices <= 0, albedos outside 0 to 1, radii <= 0, spheres wider than half a periodic domain,
+  /// round faces in one, unknown materials, an empty domain.
   void check() const;
 };
 

@@ -49,7 +49,8 @@ struct Request {
   double theta_i = 0.0;  ///< radians, 0 to below π/2
   std::uint64_t seed = 1;
   std::uint64_t samples = 1'000'000;  ///< launches at most; rounded up to 16 blocks
-  std::uint64_t block = 2048;         ///< launches a block
+  /// Launches a block; 0: block_of().
+  std::uint64_t block = 0;
   /// Stop when every wavelength has this (1 σ) and the cells have theirs; 0: not by the DHR.
   double dhr_relative_error = 0.0;
   CellGoal cells = {};
@@ -62,6 +63,11 @@ struct Request {
   std::function<bool()> stop = {};  ///< asked now and then; true ends the run with what there is
   const Team* team = nullptr;       ///< all must make the same request; changes no result
 };
+
+/// Launches a block where nobody chose. In a run that does not stop by its errors, as many as the
+/// scene has faces, so that paths one after the other meet the same ones, but few enough for 128
+/// blocks; never fewer than 2048.
+std::uint64_t block_of(const Request& request, const Scene& scene);
 
 /// Does one of the ranks want the run to stop? All must ask.
 bool stop_asked(const Request& request);

@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "host/errors/error.hpp"
-#include "host/trace/random_stream.hpp"
+#include "host/trace/launch.hpp"
 #include "host/trace/simulation.hpp"
 #include "tests/bench/bare_embree.hpp"
 
@@ -38,7 +38,8 @@ std::vector<double> bands(std::size_t count) {
   return wavelengths;
 }
 
-// Spheres that touch the ground and cover 30 % of it, moved at random in a square lattice.
+// Spheres that touch the ground and cover 30 % of it, moved at random in a square lattice, in no
+// order.
 void strew(Scene& scene, std::size_t side, MaterialId material) {
   const double cell = 1.0 / static_cast<double>(side);
   const double radius = cell * std::sqrt(0.3 / umov::optics::pi);
@@ -48,6 +49,10 @@ void strew(Scene& scene, std::size_t side, MaterialId material) {
     const double x = static_cast<double>(i % side) * cell + radius + play * u[0];
     const double y = static_cast<double>(i / side) * cell + radius + play * u[1];
     scene.spheres.push_back({Vec3(x, y, radius), radius, material});
+  }
+  for (std::size_t i = scene.spheres.size(); i-- > 1;) {
+    const double other = uniforms(97, i, 0)[0] * static_cast<double>(i + 1);
+    std::swap(scene.spheres[i], scene.spheres[static_cast<std::size_t>(other)]);
   }
 }
 
@@ -105,8 +110,8 @@ Traced trace(const PathTracer& tracer, std::uint64_t launches) {
   const auto beam = umov::optics::incident_beam(radians(30.0));
   const double start = processor_seconds();
   for (std::uint64_t i = 0; i < launches; ++i) {
-    const auto u = uniforms(1, i, 0);
-    tracer.trace(Vec3(u[0] * scene.size_x, u[1] * scene.size_y, tracer.geometry().top() + 1e-3),
+    const auto at = launch_point(i, launches, uniforms(1, i, 0));
+    tracer.trace(Vec3(at[0] * scene.size_x, at[1] * scene.size_y, tracer.geometry().top() + 1e-3),
                  beam, 1, i, workspace, sum, ledger);
   }
   return {processor_seconds() - start, ledger.rays};
@@ -125,7 +130,9 @@ void copy_faces(const Scene& scene, BareEmbree& bare) {
   bare.build();
 }
 
+// `launches`, or as many as there are faces where these are more: a block of a simulation of it.
 nlohmann::json rate(const std::string& name, const Scene& scene, std::uint64_t launches) {
+  launches = std::max(launches, scene.faces());
   const double before = processor_seconds();
   Geometry geometry(scene);
   const double build = processor_seconds() - before;
@@ -148,6 +155,7 @@ nlohmann::json rate(const std::string& name, const Scene& scene, std::uint64_t l
   return {{"scene", name},
           {"wavelengths", scene.wavelengths_um.size()},
           {"build_s", build},
+          {"launches", launches},
           {"rays", rays.size()},
           {"rays_per_launch", count / static_cast<double>(launches)},
           {"hit_share_bare", static_cast<double>(hits) / count},
@@ -230,6 +238,7 @@ nlohmann::json glints(std::size_t rings, std::size_t strip, std::uint64_t launch
   // Up to 80°: beyond, neighbours are in the way.
   double weighted = 0.0;
   double weights = 0.0;
+  double errors2 = 0.0;
   double squares = 0.0;
   int count = 0;
   double narrowest = 1e300;
@@ -243,6 +252,7 @@ nlohmann::json glints(std::size_t rings, std::size_t strip, std::uint64_t launch
     // Weights from what is expected: from what was found they would favour cells that saw little.
     weighted += cell.solid_angle * ratio;
     weights += cell.solid_angle;
+    errors2 += std::pow(cell.solid_angle * found.error[0][0] / expected, 2);
     if (found.error[0][0] > 0.0) {
       const double z = (found.mean[0][0] - expected) / found.error[0][0];
       squares += z * z;
@@ -250,12 +260,11 @@ nlohmann::json glints(std::size_t rings, std::size_t strip, std::uint64_t launch
     }
     narrowest = std::min(narrowest, cell.solid_angle);
   }
-  const double exits = weights * power * static_cast<double>(result.samples());
   return {{"cells", strip > 0 ? "strip" : "all round"},
           {"solid_angle_sr", narrowest},
           {"number", count},
           {"mean_ratio", weighted / weights},
-          {"error", 1.0 / std::sqrt(exits)},
+          {"error", std::sqrt(errors2) / weights},
           {"chi2_per_cell", squares / count}};
 }
 

@@ -71,7 +71,8 @@ def rate(page, launches):
     page.add("## Rate", "",
              "One thread, processor time, best of five. *Bare Embree* gets the same rays in the same order, in a scene of its own",
              "single precision primitives, and nothing is done with its answers. The engine's figure holds everything: faces decided in double",
-             "precision, random numbers, Mueller matrices, exits. Light from 30°; spheres touch the ground and cover 30 % of it.", "",
+             "precision, random numbers, Mueller matrices, exits. Light from 30°; spheres touch the ground and cover 30 % of it. Launches follow each",
+             f"other along a Hilbert curve, as in a block of a simulation; there are {launches:,} of them, or as many as faces where these are more.", "",
              "| scene | bands | tree [s] | rays a launch | million rays/s | bare Embree | share |", "|---|---|---|---|---|---|---|")
     rates = measure("rate", launches)
     for row in rates:
@@ -117,7 +118,7 @@ def growth(page, rates):
         if key == "rays_per_s":
             page.target("time a ray, 10² to 10⁶ particles, as a logarithm", f"off by {100 * MOST_MISS:.0f} % at most",
                         f"{100 * miss:.0f} %; as a power N^{power:.2f}", miss <= MOST_MISS)
-    page.add("", "Beyond 10⁴ spheres tree and faces no longer fit into the processor's caches, of which a logarithm knows nothing.")
+    page.add("", "Beyond 10⁵ spheres tree and faces no longer fit into the processor's caches; that launches are in order keeps what is needed next there.")
 
 
 def threads(page, launches):
@@ -153,7 +154,7 @@ def ranks(page, folder, samples):
 def glints(page, launches):
     page.add("", "## Glints", "",
              "Mirror spheres far from each other on black ground send light evenly all round, so the mean of every cell is known (one bounce). Found over",
-             "expected, over all cells up to 80°, with the standard error of the counts, and the mean square deviation of a cell in its own errors",
+             "expected, over all cells up to 80°, with its standard error from those of the cells, and the mean square deviation of a cell in its own errors",
              "(1 expected; a cell of few exits has errors that are themselves vague).", "",
              "| cells | of [sr] | number | found / expected | χ² a cell |", "|---|---|---|---|---|")
     for row in measure("glints", launches):
@@ -209,7 +210,7 @@ def main():
         growth(page, rates)
         threads(page, 2 * options.hemisphere // scale)
         ranks(page, folder, options.hemisphere // scale)
-        glints(page, 8 * options.hemisphere // scale)
+        glints(page, 32 * options.hemisphere // scale)
         hemisphere(page, options.hemisphere // scale)
         to_an_error(page, folder, *((3, 12) if options.quick else (1, 3)))
     head[2] += f", {os.getloadavg()[0]:.1f} at the end with this program's own threads in it."
