@@ -139,7 +139,7 @@ ExitBreaks GridTable::exit_breaks() const {
 }
 
 std::string GridTable::description() const {
-  return fmt::format("grid of {} θi x {} θr x {} φ x {} wavelengths, {}, from {}",
+  return fmt::format("grid of {} theta_i x {} theta_r x {} phi_r x {} wavelengths, {}, from {}",
                      axes_.theta_i_deg.size(), axes_.theta_r_deg.size(), axes_.phi_r_deg.size(),
                      axes_.wavelength_um.size(), polarised() ? "Mueller" : "unpolarised", origin_);
 }

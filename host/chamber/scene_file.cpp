@@ -158,7 +158,7 @@ class Reader {
 
   std::shared_ptr<const IntensityTable> photometric(SceneTable& table, double& flux) {
     if (!table.has("file")) return nullptr;
-    const std::filesystem::path path = materials_.path_of(table.text("file"));
+    const std::filesystem::path path = table.file("file");
     const formats::Photometry photometry = formats::read_photometry(path);
     if (!table.has("flux_lm")) flux = photometry.zonal_lm(0.0, 90.0);
     return std::make_shared<IntensityTable>(photometry, path.string());
@@ -298,7 +298,7 @@ class Reader {
   }
 
   void read_mesh_table(SceneTable& table) {
-    const std::filesystem::path path = materials_.path_of(table.text("file"));
+    const std::filesystem::path path = table.file("file");
     const double unit = table.number("unit_mm", 1e-6, 1e6, 1.0);
     const Vec3 at = table.has("at_mm") ? vector(table, "at_mm") : Vec3(0.0, 0.0, 0.0);
     const bool closed = flag(table, "closed", false);

@@ -40,11 +40,6 @@ std::vector<Surface::Kind> planes_by_band(const brdf::PlanesTable& table,
 
 }  // namespace
 
-std::filesystem::path SceneMaterials::path_of(const std::string& name) const {
-  const std::filesystem::path beside = file_.parent_path() / name;
-  return std::filesystem::exists(beside) ? beside : std::filesystem::path(name);
-}
-
 void SceneMaterials::read_named(SceneTable& root) {
   if (!root.has("surfaces")) return;
   SceneTable all = root.table("surfaces");
@@ -84,7 +79,7 @@ std::shared_ptr<const Surface> SceneMaterials::from_table(SceneTable table,
           : wavelengths_um_;
   if (table.has("file")) {
     if (table.has("model")) table.text("model", {"tabulated"});
-    const std::filesystem::path path = path_of(table.text("file"));
+    const std::filesystem::path path = table.file("file");
     std::optional<std::vector<double>> total;
     if (table.has("total")) total = table.spectrum("total", um, 1e-6, 1.0);
     table.refuse_unknown();

@@ -16,7 +16,7 @@ namespace umov::chamber {
 
 class SceneMaterials {
  public:
-  /// `file`: the scene file, beside which other files are looked for first.
+  /// `file`: the scene file, for messages.
   explicit SceneMaterials(std::filesystem::path file) : file_(std::move(file)) {}
 
   /// From here on surfaces are made for these bands, and their numbers may be spectra.
@@ -26,8 +26,6 @@ class SceneMaterials {
   /// The surface under `key`: a name, "black", or a table of its own. Throws umov::Error with line.
   std::shared_ptr<const Surface> surface(SceneTable& table, std::string_view key);
   std::shared_ptr<const Surface> black() const { return black_; }
-  /// A file that a scene names.
-  std::filesystem::path path_of(const std::string& name) const;
 
  private:
   std::shared_ptr<const Surface> from_table(SceneTable table, const std::string& name) const;

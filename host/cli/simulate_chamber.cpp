@@ -20,6 +20,7 @@
 #include "host/cli/scene_digest.hpp"
 #include "host/errors/error.hpp"
 #include "host/formats/atomic_file.hpp"
+#include "host/formats/table_csv_rows.hpp"
 #include "host/parallel/ranks/ranks.hpp"
 
 namespace umov::cli {
@@ -81,7 +82,7 @@ ordered_json bands_json(const Map& map) {
   const auto pixels = static_cast<std::ptrdiff_t>(map.luminance_cd_m2.size());
   for (std::size_t b = 0; b < map.wavelengths_um.size(); ++b) {
     const auto from = map.radiance.begin() + static_cast<std::ptrdiff_t>(b) * pixels;
-    bands.push_back({{"wavelength_nm", 1e3 * map.wavelengths_um[b]},
+    bands.push_back({{"wavelength_nm", formats::nanometres(map.wavelengths_um[b])},
                      {"mean_radiance",
                       std::accumulate(from, from + pixels, 0.0) / static_cast<double>(pixels)}});
   }

@@ -9,6 +9,7 @@
 #include "host/cli/interrupt.hpp"
 #include "host/cli/progress.hpp"
 #include "host/formats/atomic_file.hpp"
+#include "host/formats/table_csv_rows.hpp"
 #include "host/surface/mixture_run.hpp"
 
 namespace umov::cli {
@@ -37,7 +38,7 @@ ordered_json as_json(const surface::MixtureAngle& angle) {
     put(point, "effective_fraction", p.effective);
     point["bands"] = ordered_json::array();
     for (const surface::MixtureBand& band : p.bands) {
-      ordered_json b = {{"wavelength_nm", 1e3 * band.wavelength_um}};
+      ordered_json b = {{"wavelength_nm", formats::nanometres(band.wavelength_um)}};
       put(b, "dhr", band.dhr);
       put(b, "dhr_linear", band.linear_dhr);
       put(b, "effective_fraction", band.effective);
@@ -50,8 +51,9 @@ ordered_json as_json(const surface::MixtureAngle& angle) {
   }
   ordered_json laws = ordered_json::array();
   for (std::size_t w = 0; w < angle.band_laws.size(); ++w) {
-    laws.push_back({{"wavelength_nm", 1e3 * angle.points.front().bands[w].wavelength_um},
-                    {"law", as_json(angle.band_laws[w])}});
+    laws.push_back(
+        {{"wavelength_nm", formats::nanometres(angle.points.front().bands[w].wavelength_um)},
+         {"law", as_json(angle.band_laws[w])}});
   }
   return {{"theta_i_deg", angle.theta_i_deg},
           {"law", as_json(angle.law)},

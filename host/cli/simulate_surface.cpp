@@ -19,6 +19,7 @@
 #include "host/errors/error.hpp"
 #include "host/formats/atomic_file.hpp"
 #include "host/formats/brdf_h5.hpp"
+#include "host/formats/table_csv_rows.hpp"
 #include "host/formats/table_file.hpp"
 #include "host/optics/angles.hpp"
 #include "host/surface/brdf_export.hpp"
@@ -50,7 +51,7 @@ ordered_json angle_summary(const surface::Surface& described, double theta_i_deg
   for (std::size_t w = 0; w < described.scene.wavelengths_um.size(); ++w) {
     const trace::MuellerEstimate all = result.hemispherical(w);
     const trace::Estimate dop = result.hemispherical_dop(w);
-    bands.push_back({{"wavelength_nm", 1e3 * described.scene.wavelengths_um[w]},
+    bands.push_back({{"wavelength_nm", formats::nanometres(described.scene.wavelengths_um[w])},
                      {"dhr", all.mean[0][0]},
                      {"dhr_u", all.error[0][0]},
                      {"hemispherical_dop", dop.mean},

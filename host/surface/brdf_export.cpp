@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "host/formats/scan_table.hpp"
+#include "host/formats/table_csv_rows.hpp"
 #include "host/optics/realisability.hpp"
 
 namespace umov::surface {
@@ -17,7 +18,7 @@ formats::BrdfTable brdf_table(const trace::Result& result, const trace::Scene& s
   const std::size_t first = directions == Directions::strip ? hemisphere.cells() : 0;
   const std::size_t last = directions == Directions::cells ? hemisphere.cells() : hemisphere.size();
   for (std::size_t w = 0; w < scene.wavelengths_um.size(); ++w) {
-    const double wavelength_nm = 1e3 * scene.wavelengths_um[w];
+    const double wavelength_nm = formats::nanometres(scene.wavelengths_um[w]);
     for (std::size_t index = first; index < last; ++index) {
       const trace::MuellerEstimate e = result.brdf(index, w);
       if (!(e.mean[0][0] > 0.0 && e.error[0][0] > 0.0)) continue;

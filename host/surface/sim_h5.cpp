@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "host/formats/table_csv_rows.hpp"
 #include "host/optics/angles.hpp"
 #include "host/optics/mueller.hpp"
 #include "host/surface/radiance.hpp"
@@ -15,7 +16,7 @@ void add_cells(formats::Hdf5Builder& file, const std::string& path, const trace:
                const trace::Scene& scene, std::size_t first, std::size_t last) {
   const std::size_t wavelengths = scene.wavelengths_um.size();
   std::vector<double> theta, phi, solid, nm, mueller, errors;
-  for (const double w : scene.wavelengths_um) nm.push_back(1e3 * w);
+  for (const double w : scene.wavelengths_um) nm.push_back(formats::nanometres(w));
   for (std::size_t i = first; i < last; ++i) {
     const trace::Cell cell = result.hemisphere().cell(i);
     theta.push_back(optics::degrees(0.5 * (cell.theta_low + cell.theta_high)));

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <limits>
 
@@ -13,6 +14,17 @@
 #include "host/toml/spectrum.hpp"
 
 namespace umov {
+namespace {
+
+// Without what sums of decimal numbers have behind their twelfth digit: .6 is not
+// .6000000000000001.
+double plain(double value) {
+  if (value == 0.0) return value;
+  const double digit = std::pow(10.0, 11.0 - std::floor(std::log10(std::abs(value))));
+  return std::round(value * digit) / digit;
+}
+
+}  // namespace
 
 void SceneTable::fail(std::string_view key, const std::string& problem,
                       const std::string& remedy) const {
@@ -60,6 +72,16 @@ std::string SceneTable::text(std::string_view key) {
   return *value;
 }
 
+std::filesystem::path SceneTable::file(std::string_view key) {
+  const std::string name = text(key);
+  const std::filesystem::path beside = std::filesystem::path(file_).parent_path() / name;
+  for (const auto& path : {beside, std::filesystem::path(name)}) {
+    if (std::ifstream(path)) return path;
+  }
+  fail(key, "is '" + name + "', which cannot be read",
+       "there is no readable " + beside.string() + "; check the name");
+}
+
 std::string SceneTable::text(std::string_view key, const std::vector<std::string>& permitted,
                              std::optional<std::string> preset) {
   known_.emplace(key);
@@ -97,8 +119,8 @@ std::vector<double> SceneTable::spectrum(std::string_view key,
     SceneTable inner = table(key);
     Spectrum known;
     if (inner.has("file")) {
-      const auto folder = std::filesystem::path(file_).parent_path();
-      known = read_spectrum(folder / inner.text("file"), inner.text("column"));
+      const std::filesystem::path path = inner.file("file");
+      known = read_spectrum(path, inner.text("column"));
     } else {
       constexpr double unlimited = std::numeric_limits<double>::max();
       const bool nm = inner.has("wavelength_nm");
@@ -166,7 +188,7 @@ std::vector<double> SceneTable::numbers(std::string_view key, double low, double
     range.refuse_unknown();
     const double steps = std::floor((to - from) / step + 1e-9);
     if (steps > 1000.0) fail(key, "has more than 1000 values", "use a longer step");
-    for (int i = 0; i <= static_cast<int>(steps); ++i) values.push_back(from + i * step);
+    for (int i = 0; i <= static_cast<int>(steps); ++i) values.push_back(plain(from + i * step));
   } else if (const toml::array* list = value.as_array()) {
     for (const toml::node& entry : *list) values.push_back(checked(entry, key, low, high));
   } else {
@@ -179,7 +201,9 @@ std::vector<double> SceneTable::numbers(std::string_view key, double low, double
 void SceneTable::refuse_unknown() const {
   for (const auto& [key, value] : table_) {
     if (!known_.contains(key.str())) {
-      fail(key.str(), "is not known here", fmt::format("known are: {}", fmt::join(known_, ", ")));
+      auto all = known_;
+      all.insert(asked_.begin(), asked_.end());
+      fail(key.str(), "is not known here", fmt::format("known are: {}", fmt::join(all, ", ")));
     }
   }
 }

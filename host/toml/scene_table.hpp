@@ -3,6 +3,7 @@
 
 #include <toml++/toml.h>
 
+#include <filesystem>
 #include <optional>
 #include <set>
 #include <string>
@@ -18,7 +19,10 @@ class SceneTable {
   SceneTable(const toml::table& table, const std::string& file, std::string name)
       : table_(table), file_(file), name_(std::move(name)) {}
 
-  bool has(std::string_view key) const { return table_.contains(key); }
+  bool has(std::string_view key) const {
+    asked_.emplace(key);
+    return table_.contains(key);
+  }
   bool is_list(std::string_view key) const { return table_[key].is_array(); }
   /// A table inside; `key` must be there.
   SceneTable table(std::string_view key);
@@ -27,6 +31,9 @@ class SceneTable {
                    std::optional<std::string> preset = {});
   bool flag(std::string_view key, bool preset);
   std::string text(std::string_view key);
+  /// A file's name, from where the scene file is or else from where the program runs; refused where
+  /// it cannot be read.
+  std::filesystem::path file(std::string_view key);
   double number(std::string_view key, double low, double high, std::optional<double> preset = {});
   /// A number or a list of `count` numbers; the former is repeated.
   std::vector<double> spectrum(std::string_view key, std::size_t count, double low, double high);
@@ -51,6 +58,7 @@ class SceneTable {
   const std::string& file_;
   std::string name_;
   std::set<std::string, std::less<>> known_;
+  mutable std::set<std::string, std::less<>> asked_;  // for by has(): named to those who misspell
 };
 
 }  // namespace umov
