@@ -10,6 +10,7 @@
 #include "host/cli/study/pointing.hpp"
 #include "host/cli/study/real_data.hpp"
 #include "host/cli/study/reflectometer.hpp"
+#include "host/cli/study/surface_gap.hpp"
 #include "host/errors/error.hpp"
 
 namespace umov::study {
@@ -34,6 +35,9 @@ constexpr std::array all{
           chamber},
     Study{"chamber-gap", "what a simulated luminance map has wrong, named from the map (minutes)",
           chamber_gap},
+    Study{"surface-gap",
+          "what linear mixing leaves out of dirty, wet and rough surfaces, named (minutes)",
+          surface_gap},
 };
 
 }  // namespace

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 
 #include "host/errors/error.hpp"
+#include "host/gap/engine/orthonormal.hpp"
 
 namespace umov::gap {
 namespace {
@@ -341,8 +341,7 @@ Eigen::MatrixXd followed_directions(const Refit& fit) {
   basis.bottomRows(fitted) =
       Eigen::MatrixXd(fit.prior_precision(fit.free).cwiseSqrt().asDiagonal());
   for (Eigen::Index i = 0; i < fitted; ++i) basis.col(i).normalize();
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(basis);
-  return factor.householderQ() * Eigen::MatrixXd::Identity(basis.rows(), factor.rank());
+  return orthonormal(basis);
 }
 
 Eigen::VectorXd standard_errors(const Eigen::MatrixXd& precision) {

@@ -313,7 +313,8 @@ class Searcher {
     Hypothesis best;
     best.ln_evidence = -infinity;
     for (const Explanation& start : task.starts) {
-      Hypothesis h = assess(refit(model_, start, whitening(), most_iterations, &near));
+      Hypothesis h = assess(
+          refit(model_, start, whitening(), most_iterations, model_.is_quick() ? nullptr : &near));
       if (&start == &task.starts.front() || h.ln_evidence > best.ln_evidence) best = std::move(h);
       if (best.ln_evidence > task.foretold - falls_short) break;
     }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include <Eigen/QR>
+#include "host/gap/engine/orthonormal.hpp"
 
 namespace umov::gap {
 namespace {
@@ -82,10 +82,7 @@ Where find_where(const ForwardModel& model, const Refit& fit, int draws, std::ui
   std::sort(cells.begin(), cells.end(),
             [](const Cell& a, const Cell& b) { return std::abs(a.z) > std::abs(b.z); });
 
-  const Eigen::MatrixXd fitted = fit.jacobian(Eigen::all, fit.free);
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(fitted);
-  const Eigen::MatrixXd q =
-      factor.householderQ() * Eigen::MatrixXd::Identity(fitted.rows(), factor.rank());
+  const Eigen::MatrixXd q = orthonormal(fit.jacobian(Eigen::all, fit.free));
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   std::vector<double> worst;

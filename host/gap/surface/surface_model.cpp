@@ -29,7 +29,32 @@ constexpr double film_thickness = 0.3;
 // Slope of the lobe that a smoother patch of the ground would add.
 constexpr double lobe_slope = 0.08;
 
+// Relative change of the particles' reflectance that stands for all changes of it.
+constexpr double albedo_step = 0.2;
+
 enum Channel { intensity, polarised };
+
+// What particles are made of, where that is Lambertian.
+std::vector<trace::Lambertian*> contaminants(surface::Surface& surface) {
+  std::vector<trace::Lambertian*> found;
+  std::vector<bool> used(surface.scene.materials.size(), false);
+  for (const trace::Sphere& s : surface.scene.spheres) used.at(s.material) = true;
+  for (std::size_t m = 0; m < used.size(); ++m) {
+    auto* lambertian = std::get_if<trace::Lambertian>(&surface.scene.materials[m]);
+    if (used[m] && lambertian != nullptr) found.push_back(lambertian);
+  }
+  return found;
+}
+
+// By how much they can be changed: upwards, unless they are nearly white. 0: no such material.
+double albedo_change(surface::Surface surface) {
+  double most = 0.0;
+  for (const trace::Lambertian* l : contaminants(surface)) {
+    most = std::max(most, *std::max_element(l->albedo.begin(), l->albedo.end()));
+  }
+  if (most == 0.0) return 0.0;
+  return most * (1.0 + albedo_step) <= 1.0 ? albedo_step : -albedo_step;
+}
 
 struct Direction {
   double theta_i_deg, theta_r_deg, phi_deg, wavelength_nm;
@@ -81,6 +106,20 @@ class Bench {
   surface::Lays lays(surface::Reading reading, const std::string& more = {}) const {
     reading.seed = options_.seed;
     return {reader(more), reading};
+  }
+
+  /// With particles that reflect more by this share.
+  surface::Lays brighter(surface::Reading reading, double change) const {
+    reading.seed = options_.seed;
+    return {[read = reader(), change](const surface::Reading& r) {
+              surface::Surface surface = read(r);
+              if (r.like != nullptr) return surface;  // has the materials of the first lay
+              for (trace::Lambertian* l : contaminants(surface)) {
+                for (double& albedo : l->albedo) albedo *= 1.0 + change;
+              }
+              return surface;
+            },
+            reading};
   }
 
   /// Can the scene be as these lines say too? It is known to be right without them.
@@ -208,6 +247,7 @@ SurfaceModel::SurfaceModel(const formats::BrdfTable& measurement, const std::str
   const std::string film = fmt::format("\n[film]\nthickness_um = {}\n", film_thickness * radius);
 
   const bool wettable = !whole.film && bench.takes(film);
+  const double change = albedo_change(whole);
 
   const auto count = static_cast<Eigen::Index>(directions.size());
   const auto columns = static_cast<Eigen::Index>(factors_.size());
@@ -236,6 +276,8 @@ SurfaceModel::SurfaceModel(const formats::BrdfTable& measurement, const std::str
       const Result once = bench.simulate(described, theta, 1);
       const Result often = bench.simulate(described, theta, 0);
       const Result wet = !wettable ? often : bench.simulate(bench.lays(reading, film), theta, 0);
+      const Result bright =
+          change == 0.0 ? often : bench.simulate(bench.brighter(reading, change), theta, 0);
       std::vector<trace::Estimate> shares;
       if (particles) shares = bench.hidden(reading, theta);
       for (const Eigen::Index i : members) {
@@ -262,7 +304,9 @@ SurfaceModel::SurfaceModel(const formats::BrdfTable& measurement, const std::str
         templates_[shadowing](i, c) = single.mean - linear_(i, c);
         templates_[bounces](i, c) = full.mean - single.mean;
         templates_[water](i, c) = damp.mean - full.mean;
-        templates_[contaminant_albedo](i, c) = dirty;
+        // Light from particle to particle grows faster than their reflectance.
+        templates_[contaminant_albedo](i, c) =
+            change == 0.0 ? dirty : (seen(bright).mean - full.mean) / change;
         templates_[ground_albedo](i, c) = clean;
         const double half_tan =
             std::tan(0.5 * optics::radians(std::abs(directions[place].theta_r_deg - theta)));
@@ -324,7 +368,7 @@ SurfaceModel::SurfaceModel(const formats::BrdfTable& measurement, const std::str
                 "share of the area that is wet", 0.0, 1.2, 0.5),
       effect_of("contaminant_albedo", "sample",
                 "Particles reflect more or less than the scene says.", "relative_change",
-                "of their reflectance", -0.8, 3.0, 0.1),
+                "of their reflectance", -0.8, 3.0, 0.3),
       effect_of("ground_albedo", "sample", "The ground reflects more or less than the scene says.",
                 "relative_change", "of its reflectance", -0.8, 3.0, 0.1),
       effect_of("near_specular_lobe", "sample",

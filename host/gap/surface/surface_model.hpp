@@ -29,8 +29,8 @@ struct SurfaceModelOptions {
 /// Base: `gain`, and `area_scale` (coverage over that of the scene) where it has particles; the
 /// linear mixture of bare ground and flat contaminant in single bounce. Effects:
 /// particle_shadowing (particles stand up: they hide and shade), multiple_scattering (between
-/// faces), water_film (where the scene has none and its models can be wet), contaminant_albedo,
-/// ground_albedo, near_specular_lobe.
+/// faces), water_film (where the scene has none and its models can be wet), contaminant_albedo
+/// (with all that particles do, where they are Lambertian), ground_albedo, near_specular_lobe.
 class SurfaceModel : public ForwardModel {
  public:
   /// `scene` is the text of a scene file, `name` stands in errors. Observations are the Mueller
@@ -46,6 +46,7 @@ class SurfaceModel : public ForwardModel {
   const std::vector<Effect>& effects() const override { return effects_; }
   void predict(const Explanation& explanation, Eigen::VectorXd& mean, Eigen::MatrixXd* jacobian,
                const std::vector<bool>& wanted = {}) const override;
+  bool is_quick() const override { return true; }
   NoiseShape noise(const Eigen::VectorXd& mean) const override;
 
  private:

@@ -82,5 +82,18 @@ TEST(Variation, SourceThatWandersIsNotTakenForNoise) {
   EXPECT_EQ(d.variation.what, "signal");
 }
 
+TEST(Diagnosis, GoesOnWhereTheWholeBaseIsHeldAtItsBounds) {
+  Bell model(9);
+  // Far more than height and width can follow.
+  model.modulate([](Eigen::Index i) {
+    return 8.0 + 20.0 * std::pow(static_cast<double>(i % 61 - 30) / 30.0, 2);
+  });
+  const Diagnosis d = diagnose(model);
+  EXPECT_EQ(d.base[0].interval.value, 2.0);
+  EXPECT_EQ(d.base[1].interval.value, 2.0);
+  EXPECT_NE(d.verdict, Verdict::none_needed);
+  EXPECT_NE(d.verdict, Verdict::explained);
+}
+
 }  // namespace
 }  // namespace umov::gap

@@ -45,15 +45,24 @@ struct PlainSpheres {
     return all;
   }
 
-  /// Distance to the first sphere or the plane, and the normal there; negative: none. The spheres
-  /// and all their copies up to where the ray leaves the layer are tried, one by one.
+  /// Distance to the first sphere or the plane, and the normal there; negative: none. A ray that is
+  /// all but horizontal would have copies without end: it is followed farther and farther.
   double nearest(const std::vector<V>& spheres, const V& from, const V& k, V& normal,
                  bool& on_sphere) const {
+    const double leaves = (k[2] > 0.0 ? 2.0 * radius - from[2] : -from[2]) / k[2];
+    for (double reach = 4.0 * period; reach < leaves; reach *= 4.0) {
+      const double found = nearest_within(reach, spheres, from, k, normal, on_sphere);
+      if (on_sphere && found < reach) return found;
+    }
+    return nearest_within(leaves, spheres, from, k, normal, on_sphere);
+  }
+
+  /// The same of the spheres and all their copies up to the distance `last`, one by one.
+  double nearest_within(double last, const std::vector<V>& spheres, const V& from, const V& k,
+                        V& normal, bool& on_sphere) const {
     double best = k[2] < 0.0 ? -from[2] / k[2] : -1.0;
     if (best >= 0.0) normal = {0.0, 0.0, 1.0};
     on_sphere = false;
-    const double top = 2.0 * radius;
-    const double last = k[2] > 0.0 ? (top - from[2]) / k[2] : best;
     const auto copies = [&](double centre, double start, double slope, long& low, long& high) {
       const double a = std::min(start, start + last * slope) - radius - centre;
       const double b = std::max(start, start + last * slope) + radius - centre;
