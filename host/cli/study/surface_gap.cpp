@@ -46,39 +46,49 @@ std::string head(double period_um) {
   return fmt::format("[surface]\nwavelengths_um = [0.5, 0.8]\nperiod_um = {}\n", period_um);
 }
 
-std::string soil_on_paint(const Draw& draw, double clay_factor, double clay[2]) {
-  return head(1500.0) +
-         fmt::format(
-             "[substrate]\nmodel = \"microfacet+lambertian\"\n\"0.slope_rms\" = {:.3f}\n\"1.rho\" "
-             "= [{:.3f}, {:.3f}]\n[[particles]]\nmaterial = \"clay\"\nradius_um = 20\ncoverage = "
-             "{:.3f}\n[materials.clay]\nmodel = \"lambertian\"\nrho = [{:.4f}, {:.4f}]\n",
-             draw(0.15, 0.3), draw(0.05, 0.2), draw(0.3, 0.6), draw(0.15, 0.35),
-             clay_factor * clay[0], clay_factor * clay[1]);
-}
+/// Soil on glossy paint.
+struct Dirt {
+  explicit Dirt(const Draw& draw)
+      : clay{draw(0.3, 0.5), draw(0.4, 0.65)},
+        coverage(draw(0.15, 0.35)),
+        paint_800(draw(0.3, 0.6)),
+        paint_500(draw(0.05, 0.2)),
+        slope(draw(0.15, 0.3)) {}
 
-// The same draws for the description and the truth: `more` and the factor are all that differs.
+  std::string scene() const {
+    return head(1500.0) +
+           fmt::format(
+               "[substrate]\nmodel = \"microfacet+lambertian\"\n\"0.slope_rms\" = "
+               "{:.3f}\n\"1.rho\" = [{:.3f}, {:.3f}]\n[[particles]]\nmaterial = "
+               "\"clay\"\nradius_um = 20\ncoverage = {:.3f}\n[materials.clay]\nmodel = "
+               "\"lambertian\"\nrho = [{:.4f}, {:.4f}]\n",
+               slope, paint_500, paint_800, coverage, clay[0], clay[1]);
+  }
+
+  double clay[2];  // at .5 and .8 µm
+  double coverage, paint_800, paint_500, slope;
+};
+
+/// Described as it is but for the soil's reflectance and `more` lines.
 Case dirt(const Draw& draw, double clay_factor, const std::string& more) {
-  double clay[2] = {draw(0.3, 0.5), draw(0.4, 0.65)};
-  std::vector<double> drawn;
-  const Draw first = [&](double low, double high) {
-    drawn.push_back(draw(low, high));
-    return drawn.back();
-  };
+  Dirt surface(draw);
   Case c;
-  c.described = soil_on_paint(first, 1.0, clay);
-  std::size_t next = 0;
-  const Draw again = [&](double, double) { return drawn[next++]; };
-  c.truth = soil_on_paint(again, clay_factor, clay) + more;
+  c.described = surface.scene();
+  for (double& rho : surface.clay) rho *= clay_factor;
+  c.truth = surface.scene() + more;
   c.effects = {"particle_shadowing", "multiple_scattering"};
   c.sizes = {{"particle_shadowing", 1.0}, {"multiple_scattering", 1.0}};
   return c;
 }
 
 std::string rough_ground(const Draw& draw) {
-  return head(1000.0) + fmt::format(
-                            "[substrate]\nmodel = \"lambertian\"\nrho = {:.3f}\nrough = {{ "
-                            "slope_rms = {:.3f}, correlation_um = 30 }}\n",
-                            draw(0.6, 0.9), draw(0.5, 0.8));
+  const double slope = draw(0.5, 0.8);
+  const double rho = draw(0.6, 0.9);
+  return head(1000.0) +
+         fmt::format(
+             "[substrate]\nmodel = \"lambertian\"\nrho = {:.3f}\nrough = {{ slope_rms = {:.3f}, "
+             "correlation_um = 30 }}\n",
+             rho, slope);
 }
 
 std::string flat_paint(const Draw& draw) {
