@@ -16,12 +16,11 @@
 namespace umov {
 namespace {
 
-// Without what sums of decimal numbers have behind their twelfth digit: .6 is not
-// .6000000000000001.
-double plain(double value) {
-  if (value == 0.0) return value;
-  const double digit = std::pow(10.0, 11.0 - std::floor(std::log10(std::abs(value))));
-  return std::round(value * digit) / digit;
+// A sum of decimal numbers of this size without what it has behind their twelfth digit: .6 is not
+// .6000000000000001, and -.3 and thrice .1 are 0.
+double plain(double sum, double size) {
+  const double places = 12.0 - std::ceil(std::log10(size));
+  return std::stod(fmt::format("{:.{}f}", sum, static_cast<int>(std::clamp(places, 0.0, 300.0))));
 }
 
 }  // namespace
@@ -188,7 +187,9 @@ std::vector<double> SceneTable::numbers(std::string_view key, double low, double
     range.refuse_unknown();
     const double steps = std::floor((to - from) / step + 1e-9);
     if (steps > 1000.0) fail(key, "has more than 1000 values", "use a longer step");
-    for (int i = 0; i <= static_cast<int>(steps); ++i) values.push_back(plain(from + i * step));
+    const double size = std::max({std::abs(from), std::abs(to), step});
+    for (int i = 0; i <= static_cast<int>(steps); ++i)
+      values.push_back(plain(from + i * step, size));
   } else if (const toml::array* list = value.as_array()) {
     for (const toml::node& entry : *list) values.push_back(checked(entry, key, low, high));
   } else {

@@ -118,7 +118,8 @@ def growth(page, rates):
         if key == "rays_per_s":
             page.target("time a ray, 10² to 10⁶ particles, as a logarithm", f"off by {100 * MOST_MISS:.0f} % at most",
                         f"{100 * miss:.0f} %; as a power N^{power:.2f}", miss <= MOST_MISS)
-    page.add("", "Beyond 10⁵ spheres tree and faces no longer fit into the processor's caches; that launches are in order keeps what is needed next there.")
+    page.add("", "Beyond 10⁵ spheres tree and faces no longer fit into the processor's caches. That launches are in order keeps what is needed next",
+             "there where a block has as many launches as there are faces: in runs of 128 times as many. Blocks of shorter runs are smaller.")
 
 
 def threads(page, launches):

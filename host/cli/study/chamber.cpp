@@ -53,18 +53,13 @@ class ChamberStudy {
   static constexpr const char* title =
       "How good must a BRDF be? Luminance maps and intensity distributions of a mixing chamber";
 
-  void step(double share, const std::string& what) const {
-    if (options_.keep_going && !options_.keep_going()) throw Stopped{};
-    if (options_.progress) options_.progress(share, what);
-  }
-
   chamber::MapRequest map_request(double from, double to, const std::string& what) const {
     chamber::MapRequest request;
     request.rays_per_pixel = rays_per_pixel;
     request.seed = options_.seed;
     request.threads = options_.threads;
     request.progress = [this, from, to, what](double share) {
-      step(from + (to - from) * share, what);
+      step(options_, from + (to - from) * share, what);
     };
     return request;
   }

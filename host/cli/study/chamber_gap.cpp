@@ -80,11 +80,6 @@ class GapStudy {
   }
 
  private:
-  void step(double share, const std::string& what) const {
-    if (options_.keep_going && !options_.keep_going()) throw Stopped{};
-    if (options_.progress) options_.progress(share, what);
-  }
-
   static MixingChamber simulated(const WallModel& model) {
     MixingChamber c = known_chamber();
     c.wall = model.surface;
@@ -98,7 +93,7 @@ class GapStudy {
     options.seed = options_.seed;
     options.threads = options_.threads;
     options.progress = [this, from, to, &model](double share) {
-      step(from + (to - from) * share, "signatures, " + model.title);
+      step(options_, from + (to - from) * share, "signatures, " + model.title);
     };
     return std::make_shared<const gap::MapSignatures>(
         gap::map_signatures(simulated(model).described(), options));
@@ -172,7 +167,7 @@ class GapStudy {
       const auto s = signatures(all[i], from, from + 0.25);
       const Map measured = measure(measured_chamber(), options_.seed + 500);
       const gap::ChamberModel model(s, measured);
-      step(from + 0.26, "diagnosis, " + all[i].title);
+      step(options_, from + 0.26, "diagnosis, " + all[i].title);
       const gap::Diagnosis d = diagnose(model);
       const Map seen = as_map(model.observations().value);
       const chamber::Likeness before = chamber::likeness(seen, as_map(s->mean));
@@ -209,7 +204,8 @@ class GapStudy {
     std::vector<std::vector<std::string>> rows;
     const std::vector<Case> all = cases();
     for (std::size_t i = 0; i < all.size(); ++i) {
-      step(0.8 + 0.2 * static_cast<double>(i) / static_cast<double>(all.size()), all[i].how);
+      step(options_, 0.8 + 0.2 * static_cast<double>(i) / static_cast<double>(all.size()),
+           all[i].how);
       MixingChamber c = simulated(table);
       all[i].change(c);
       const Map measured = measure(c, options_.seed + 600 + 10 * i);

@@ -46,6 +46,11 @@ std::span<const Study> studies() {
   return all;
 }
 
+void step(const Options& options, double share, const std::string& what) {
+  if (options.keep_going && !options.keep_going()) throw Stopped{};
+  if (options.progress) options.progress(share, what);
+}
+
 const Study& find_study(std::string_view name) {
   std::string names;
   for (const Study& study : all) {

@@ -41,4 +41,7 @@ const Study& find_study(std::string_view name);
 /// Thrown where `keep_going` says no.
 struct Stopped {};
 
+/// Tells how far a study is; throws Stopped.
+void step(const Options& options, double share, const std::string& what);
+
 }  // namespace umov::study

@@ -4,7 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <random>
 #include <set>
@@ -167,9 +169,9 @@ class SurfaceGapStudy {
   Page run() {
     page_.paragraph(fmt::format(
         "Command `{}`. Surfaces with drawn reflectances, coverages, slopes and angles of incidence "
-        "(20° to 60°) are simulated with {} launches, given {:g} % of noise and diagnosed as `umov "
-        "diagnose BRDF "
-        "--surface SCENE` does: against their materials mixed by area, each bounced off once, dry. "
+        "(20° to 60°) are simulated with {} launches, given {:g} % of noise and diagnosed as "
+        "`umov diagnose BRDF --surface SCENE` does: against their materials mixed by area, each "
+        "bounced off once, dry. "
         "The diagnosis has the scene file, without the film or the change, and particles laid "
         "otherwise. It is not told what was left out. Two bands, cells of 10° all round, m00 and "
         "m10.",
@@ -186,14 +188,13 @@ class SurfaceGapStudy {
  private:
   struct Score {
     std::size_t exact = 0, wrong = 0, sizes = 0, sizes_held = 0;
-    std::map<std::string, std::size_t> named;
     std::vector<double> closed;
   };
 
-  void step(double share, const std::string& what) const {
-    if (options_.keep_going && !options_.keep_going()) throw Stopped{};
-    if (options_.progress) options_.progress(share, what);
-  }
+  struct EffectScore {
+    std::size_t withheld = 0, named = 0;
+    std::vector<double> off_by;  ///< of sizes that are known
+  };
 
   static std::string plain(std::string effect) {
     std::replace(effect.begin(), effect.end(), '_', ' ');
@@ -232,7 +233,7 @@ class SurfaceGapStudy {
   void answer(const Kind& kind, std::size_t number) {
     const double done =
         static_cast<double>(number) / static_cast<double>(kinds().size() * cases_per_kind);
-    step(done, kind.title);
+    step(options_, done, kind.title);
     std::mt19937_64 random(1000 * options_.seed + number);
     const Draw draw = [&](double low, double high) {
       return low + (high - low) * std::uniform_real_distribution<double>()(random);
@@ -244,7 +245,7 @@ class SurfaceGapStudy {
     simulated.threads = options_.threads;
     simulated.samples = launches;
     simulated.rings = rings;
-    simulated.progress = [&](double) { step(done, kind.title); };
+    simulated.progress = [&](double) { step(options_, done, kind.title); };
     const gap::SurfaceModel model(measured(c, theta_i_deg, options_.seed + 9000 + number),
                                   c.described, "described", simulated);
     gap::DiagnoseOptions how;
@@ -267,14 +268,15 @@ class SurfaceGapStudy {
         ++score.wrong;
         continue;
       }
-      ++score.named[cause.effect];
+      ++effects_[cause.effect].named;
       const auto known = c.sizes.find(cause.effect);
       if (known == c.sizes.end()) continue;
       ++score.sizes;
-      sizes_[cause.effect].push_back(size.interval.value - known->second);
+      effects_[cause.effect].off_by.push_back(size.interval.value - known->second);
       if (size.interval.lo <= known->second && known->second <= size.interval.hi)
         ++score.sizes_held;
     }
+    for (const std::string& effect : c.effects) ++effects_[effect].withheld;
     const bool flagged =
         d.verdict == gap::Verdict::unexplained || d.verdict == gap::Verdict::explained_in_part;
     const bool right = c.unknown ? flagged : named == c.effects;
@@ -302,6 +304,19 @@ class SurfaceGapStudy {
     return fmt::format("{}/{} [{:.2f}, {:.2f}]", hits, n, i.lo, i.hi);
   }
 
+  /// Root mean square and the largest.
+  static std::array<std::string, 2> summary(const std::vector<double>& off_by) {
+    if (off_by.empty()) return {"–", "–"};
+    double sum = 0.0;
+    double worst = 0.0;
+    for (const double miss : off_by) {
+      sum += miss * miss;
+      worst = std::max(worst, std::abs(miss));
+    }
+    return {fmt::format("{:.3f}", std::sqrt(sum / static_cast<double>(off_by.size()))),
+            fmt::format("{:.3f}", worst)};
+  }
+
   void tables() {
     page_.heading("Kinds of surfaces");
     std::vector<std::vector<std::string>> rows;
@@ -318,31 +333,13 @@ class SurfaceGapStudy {
                 rows);
     page_.paragraph(
         "Right: all that was left out is named and nothing else; for a gloss that no effect of the "
-        "catalogue is, the verdict says that something stays unexplained. Sizes that are known: 1, "
-        "as "
-        "simulated and wet all over, and how much brighter the soil is.");
+        "catalogue is, the verdict says that something stays unexplained. Sizes that are known: "
+        "1, as simulated and wet all over, and how much brighter the soil is.");
     page_.heading("Effects");
     rows.clear();
-    for (const auto& [effect, misses] : sizes_) {
-      std::size_t withheld = 0;
-      std::size_t named = 0;
-      for (const Kind& kind : kinds()) {
-        // All cases of a kind leave out the same.
-        if (!kind.draw([](double low, double) { return low; }).effects.contains(effect)) continue;
-        withheld += cases_per_kind;
-        const auto& found = scores_.at(kind.title).named;
-        if (const auto at = found.find(effect); at != found.end()) named += at->second;
-      }
-      double sum = 0.0;
-      double worst = 0.0;
-      for (const double miss : misses) {
-        sum += miss * miss;
-        worst = std::max(worst, std::abs(miss));
-      }
-      effects_named_[effect] = {named, withheld};
-      rows.push_back({"`" + effect + "`", share(named, withheld),
-                      fmt::format("{:.3f}", std::sqrt(sum / static_cast<double>(misses.size()))),
-                      fmt::format("{:.3f}", worst)});
+    for (const auto& [effect, count] : effects_) {
+      const auto [rms, worst] = summary(count.off_by);
+      rows.push_back({"`" + effect + "`", share(count.named, count.withheld), rms, worst});
     }
     page_.table({"effect", "named [95 %]", "its size is off by, rms", "at most"}, rows);
     if (!misses_.empty()) {
@@ -354,10 +351,10 @@ class SurfaceGapStudy {
   void targets() {
     page_.heading("What should hold");
     std::vector<Target> list;
-    for (const auto& [effect, count] : effects_named_) {
+    for (const auto& [effect, count] : effects_) {
       list.push_back({"`" + effect + "` is named", "in all cases",
-                      fmt::format("{} of {}", count.first, count.second),
-                      count.first == count.second});
+                      fmt::format("{} of {}", count.named, count.withheld),
+                      count.named == count.withheld});
     }
     const auto clean = scores_.at(kinds().front().title);
     list.push_back({"nothing is named where nothing is left out", "in all cases",
@@ -381,9 +378,8 @@ class SurfaceGapStudy {
 
   const Options& options_;
   Page page_;
-  std::map<std::string, Score> scores_;               // by kind
-  std::map<std::string, std::vector<double>> sizes_;  // misses, by effect
-  std::map<std::string, std::pair<std::size_t, std::size_t>> effects_named_;
+  std::map<std::string, Score> scores_;  // by kind
+  std::map<std::string, EffectScore> effects_;
   std::vector<std::vector<std::string>> misses_;
   std::size_t flagged_known_ = 0;
 };
