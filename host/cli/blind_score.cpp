@@ -53,8 +53,7 @@ std::optional<benchmark::Entry> entry_of(const benchmark::TrueCase& truth, const
     return parsed;
   };
   entry.first = answer(answer_name);
-  entry.followed = fs::exists(folder / followed_name);
-  entry.last = entry.followed ? answer(followed_name) : entry.first;
+  entry.last = fs::exists(folder / followed_name) ? answer(followed_name) : entry.first;
   if (fs::exists(folder / rivals_name)) {
     const nlohmann::json all = json(rivals_name);
     const std::string place = (folder / rivals_name).string();
@@ -88,7 +87,6 @@ void run(const Options& options, const Common& common) {
                 "run `umov blind run`, or write there what your own program answers");
   }
   benchmark::ScoreSource source;
-  source.folder = options.folder;
   source.seal_sha256 = blind::read_seal(options.folder).sha256;
   source.cases = truths.size();
   source.seed = common.seed;

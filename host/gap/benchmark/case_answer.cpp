@@ -1,12 +1,12 @@
 #include "host/gap/benchmark/case_answer.hpp"
 
 #include <ctime>
+#include <exception>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "host/errors/error.hpp"
 #include "host/formats/scan_csv.hpp"
 #include "host/formats/sha256.hpp"
 #include "host/gap/answer/diagnosis_json.hpp"
@@ -57,7 +57,7 @@ CaseAnswer answer_case(const std::filesystem::path& scan_csv, const CaseOptions&
   try {
     result.scans.push_back(formats::read_scan_csv(scan_csv.string()));
     result.first = scan::diagnose_scans(result.scans, how);
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     result.failed = true;
     result.text = failed_answer(error.what());
     result.seconds = thread_seconds() - start;
@@ -80,7 +80,7 @@ CaseAnswer answer_case(const std::filesystem::path& scan_csv, const CaseOptions&
       json["followed"] = followed;
       result.further_text = json.dump(1) + "\n";
       prescribed = again.answer.next_scan;
-    } catch (const Error& error) {
+    } catch (const std::exception& error) {
       // What is prescribed must be diagnosable: a failure counts against the diagnosis.
       result.further_text = failed_answer(error.what());
       break;

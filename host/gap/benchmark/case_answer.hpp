@@ -27,7 +27,7 @@ struct CaseAnswer {
   bool failed = false;                    ///< `first` is empty: the scan cannot be diagnosed
   std::string text;                       ///< answer.json
   /// The answer after the scans that were prescribed; empty where none was taken. It names them
-  /// under `followed`.
+  /// under `followed`, unless it failed.
   std::string further_text;
   double seconds = 0, further_seconds = 0;  ///< of one core
 };

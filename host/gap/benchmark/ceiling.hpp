@@ -24,7 +24,8 @@ struct NamingRates {
 
 /// A forward model's neighbourhood as a classifier that knows the signatures of all effects
 /// (linear, the base taken out), the noise and the priors of sizes, and that there is one effect
-/// and no more. What its rates fall short of one is the measurement's fault: no method does better.
+/// and no more. What its rates fall short of one is the measurement's fault, as far as sizes are
+/// distributed as those priors say.
 class NamingCeiling {
  public:
   /// Effects within this of the best, in twice the logarithm of the evidence, are its set.

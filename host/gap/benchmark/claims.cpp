@@ -55,6 +55,8 @@ Answer parse_answer(const std::string& text, const std::string& name) {
       answer.g2_before = gap->at("before").at("g2").get<double>();
       answer.g2_after = gap->at("after").at("g2").get<double>();
     }
+    if (const auto data = json.find("data"); data != json.end())
+      answer.records_used = number(*data, "used");
     return answer;
   } catch (const Json::exception& error) {
     throw Error({name}, std::string("is no answer of a diagnosis: ") + error.what(),

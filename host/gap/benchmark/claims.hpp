@@ -4,7 +4,6 @@
 #include <map>
 #include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "host/gap/engine/diagnosis.hpp"
@@ -28,6 +27,7 @@ struct Answer {
   std::map<std::string, double> probabilities;  ///< of the whole catalogue, where it is given
   bool has_gap = false;
   double g2_before = 0, g2_after = 0;
+  double records_used = 0;  ///< 0 where it is not said
 
   /// Something significant is said to stay unexplained.
   bool flags_unknown() const { return verdict == "unexplained" || verdict == "explained_in_part"; }

@@ -18,7 +18,7 @@ namespace umov::gap::benchmark {
 namespace {
 
 constexpr double two_sided_99 = 2.575829;
-constexpr std::size_t most_effects = 5;     // of the forward selection; the search's limit
+constexpr std::size_t most_effects = 5;     // of the forward selection
 constexpr std::size_t most_structures = 3;  // of the search's, that the oracle tries
 constexpr int most_iterations = 25;
 constexpr std::size_t a_crowd = 8;  // effects; near the truth from the start, and slow to fit
@@ -211,8 +211,8 @@ class Rivals {
       if (part.effects.empty() || !tried.insert(part.effects).second) continue;
       if (tried.size() > most_structures) break;
       Refit fit = refit(model_, part, whitening_, most_iterations);
-      const double value = log_evidence(model_, fit) + log_prior_odds(model_, options_) *
-                                                           static_cast<double>(part.effects.size());
+      const double value = log_evidence(model_, fit) +
+                           log_prior_odds(model_) * static_cast<double>(part.effects.size());
       if (value <= evidence) continue;
       evidence = value;
       best = std::move(fit);

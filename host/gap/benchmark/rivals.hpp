@@ -12,10 +12,9 @@ namespace umov::gap::benchmark {
 
 /// Answers of the others, each in the JSON of a diagnosis, as one JSON object:
 ///
-/// - `largest_residual`: the one effect whose signature at the base model's fit correlates best
-/// with
-///   its residual, where the gain in χ² is above the 99 % point of the largest gain in noise alone.
-///   No alternatives, no second effect.
+/// - `largest_residual`: the one effect, series of the reflectance included, whose signature at the
+///   base model's fit correlates best with its residual, where the gain in χ² is above the 99 %
+///   point of the largest gain of a small effect in noise alone. No alternatives, no second effect.
 /// - `forward_bic`: on the same linear view effects are taken in one after the other, the best each
 ///   time, as long as Schwarz' criterion falls, five at most. No alternatives.
 /// - `oracle` (where `known` is given): the effects by these names fitted, and nothing else; those

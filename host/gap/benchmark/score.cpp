@@ -1,13 +1,13 @@
 #include "host/gap/benchmark/score.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <random>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "host/gap/benchmark/miss_reason.hpp"
 #include "host/gap/benchmark/seen.hpp"
 
 namespace umov::gap::benchmark {
@@ -104,6 +104,18 @@ std::vector<Entry> permuted(std::vector<Entry> entries, std::uint64_t seed) {
   return entries;
 }
 
+namespace {
+
+std::string why_missed(const Entry& entry, const std::vector<Claim>& claims) {
+  const std::optional<MissReason> reason = miss_reason(entry, claims);
+  if (!reason) return "";
+  std::string words(to_string(*reason));
+  if (reason == MissReason::search) words += fmt::format(" {:.0f}", *withheld_excess(entry));
+  return words;
+}
+
+}  // namespace
+
 std::vector<Miss> misses(const std::vector<Entry>& entries) {
   std::vector<Miss> list;
   for (const Seen& c : seen_by(entries, Candidate::diagnosis)) {
@@ -114,7 +126,8 @@ std::vector<Miss> misses(const std::vector<Entry>& entries) {
     if (t.effects.size() > 3) effects.push_back(fmt::format("and {} more", t.effects.size() - 3));
     const auto add = [&](const char* measure, const Answer& answer) {
       list.push_back({t.name, t.kind, measure, fmt::format("{}", fmt::join(effects, ", ")),
-                      t.family, t.style, claims_text(answer)});
+                      t.family, t.style, claims_text(answer),
+                      why_missed(*c.entry, &answer == c.last ? c.last_claims : c.claims)});
     };
     if (c.is("none") && alarmed(t, *c.first)) add("false_alarms", *c.first);
     if (c.is("single") && c.effect().rho >= 10 && in_plane(t) && !leads(c.claims, c.effect().name))

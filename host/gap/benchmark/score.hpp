@@ -18,7 +18,6 @@ struct Entry {
   TrueCase truth;
   Answer first;  ///< on the case's own scan
   Answer last;   ///< after the prescribed scans; `first` where none was taken
-  bool followed = false;
   std::optional<Answer> largest_residual, forward_bic, oracle;
   double seconds = 0;  ///< of one core; 0 where it is not known
   double further_seconds = 0;
@@ -56,9 +55,10 @@ std::vector<Measure> measures(const std::vector<Entry>& entries, Candidate candi
 /// nothing of their case.
 std::vector<Entry> permuted(std::vector<Entry> entries, std::uint64_t seed);
 
-/// Why a case counts as missed; several where it fails in several ways.
+/// A case that counts as missed; several where it fails in several ways.
 struct Miss {
   std::string name, kind, measure, truth, material, style, answer;
+  std::string why;  ///< a MissReason, with the χ² at stake where it is `search`; may be empty
 };
 std::vector<Miss> misses(const std::vector<Entry>& entries);
 

@@ -12,7 +12,6 @@ namespace umov::gap::benchmark {
 
 /// What the score rests on, said at its head.
 struct ScoreSource {
-  std::string folder;       ///< of the cases
   std::string seal_sha256;  ///< of the truth
   std::size_t cases = 0;    ///< in the truth; those without an answer are left out
   std::string run;          ///< the record of `umov blind run` as JSON; empty where there is none

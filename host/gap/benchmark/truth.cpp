@@ -14,7 +14,6 @@ using Json = nlohmann::ordered_json;
 TrueEffect effect_from(const Json& json) {
   TrueEffect effect;
   effect.name = json.at("effect").get<std::string>();
-  effect.in_catalogue = json.value("in_catalogue", true);
   effect.enlarged = json.value("enlarged", false);
   for (const auto& [name, value] : json.at("parameters").items())
     effect.parameters.emplace_back(name, value.get<double>());
@@ -33,7 +32,6 @@ TrueCase case_from(const Json& json) {
     one.look_alikes.push_back(alike.at("effect").get<std::string>());
   one.family = json.at("material").at("family").get<std::string>();
   one.one_gaussian_lobe = json.at("material").at("one_gaussian_lobe").get<bool>();
-  one.rho_beyond_one_gaussian_lobe = json.value("rho_beyond_one_gaussian_lobe", 0.0);
   one.style = json.at("plan").at("style").get<std::string>();
   return one;
 }

@@ -13,7 +13,6 @@ namespace umov::gap::benchmark {
 
 struct TrueEffect {
   std::string name;
-  bool in_catalogue = true;
   bool enlarged = false;  ///< in a crowd: the one that was made large
   std::vector<std::pair<std::string, double>> parameters;  ///< the principal one first
   double rho = 0;                                          ///< alone
@@ -28,7 +27,6 @@ struct TrueCase {
   std::vector<std::string> look_alikes;
   std::string family;  ///< of the material
   bool one_gaussian_lobe = true;
-  double rho_beyond_one_gaussian_lobe = 0;
   std::string style;  ///< of the plan
 
   bool has(const std::string& effect) const;

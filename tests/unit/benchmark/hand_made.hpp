@@ -20,7 +20,7 @@ inline TrueCase truth(const std::string& kind,
   one.family = "gaussian_facets";
   one.style = "one-way";
   for (const auto& [name, rho] : effects) {
-    one.effects.push_back({name, kind != "foreign", false, {{"size", 1.0}}, rho, rho});
+    one.effects.push_back({name, false, {{"size", 1.0}}, rho, rho});
     one.rho = rho > one.rho ? rho : one.rho;
   }
   return one;

@@ -295,13 +295,13 @@ TEST(ScorePage, says_what_was_met_what_was_missed_and_how_sure_that_is) {
     entries.push_back(entry(truth("single", {{"dust", 12}}), answer("explained", {{"dust", .9}})));
   for (int i = 0; i < 10; ++i)
     entries.push_back(entry(truth("none", {}), answer("explained", {{"dust", .9}})));
-  const std::string page = score_markdown(entries, {"cases", "ab12", 120, "", false, 1});
+  const std::string page = score_markdown(entries, {"ab12", 120, "", false, 1});
   EXPECT_NE(page.find("110 of 120 cases answered"), std::string::npos);
   EXPECT_NE(page.find("| **1.000** [0.964, 1.000] (100/100) | ≥ 0.95 | met, surely |"),
             std::string::npos);
   EXPECT_NE(page.find("| ≤ 0.01 | missed by 0.990, surely |"), std::string::npos);
   EXPECT_NE(page.find("| no cases |"), std::string::npos);
-  const std::string json = score_json(entries, {"cases", "ab12", 120, "", false, 1});
+  const std::string json = score_json(entries, {"ab12", 120, "", false, 1});
   EXPECT_NE(json.find("\"top1_set\""), std::string::npos);
 }
 
