@@ -25,11 +25,11 @@ constexpr std::array runs{std::pair{"21 August 2021", "point_20210821.dat"},
                           std::pair{"2 July 2023", "point_20230702.dat"}};
 
 fs::path data_folder() {
+  constexpr auto remedy = "name the folder that holds mmt_pointing in the variable UMOV_DATA";
   const char* named = std::getenv("UMOV_DATA");
-  fs::path folder = fs::path(named == nullptr ? "../shared/data" : named) / "mmt_pointing";
-  if (!fs::exists(folder))
-    throw Error(Place{folder.string()}, "no pointing runs are here",
-                "name the folder that holds mmt_pointing in the variable UMOV_DATA");
+  if (named == nullptr) throw Error("the pointing runs are not shipped", remedy);
+  fs::path folder = fs::path(named) / "mmt_pointing";
+  if (!fs::exists(folder)) throw Error(Place{folder.string()}, "no pointing runs are here", remedy);
   return folder;
 }
 

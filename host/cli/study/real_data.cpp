@@ -28,16 +28,15 @@ struct Found {
   std::vector<std::string> skipped;
 };
 
-std::vector<fs::path> data_folders() {
-  if (const char* named = std::getenv("UMOV_DATA")) return {named};
-  return {"../shared/data", "tests/data"};
+fs::path data_folder() {
+  const char* named = std::getenv("UMOV_DATA");
+  return named == nullptr ? "tests/data" : named;
 }
 
-/// The first of the files that exists, folder by folder; empty where none does.
+/// The first of the files that exists; empty where none does.
 fs::path first_of(const std::vector<fs::path>& names) {
-  for (const fs::path& folder : data_folders())
-    for (const fs::path& name : names)
-      if (fs::exists(folder / name)) return folder / name;
+  for (const fs::path& name : names)
+    if (fs::exists(data_folder() / name)) return data_folder() / name;
   return {};
 }
 

@@ -6,7 +6,7 @@
 
 namespace umov::study {
 
-/// Reads nist_ptfe/ and cornell_paint/ of the folder in UMOV_DATA, else of ../shared/data, else of
+/// Reads nist_ptfe/ and cornell_paint/ of the folder in UMOV_DATA, where it names none of
 /// tests/data. Samples that are not there are skipped and named. Throws umov::Error where none is.
 Page real_data(const Options& options);
 

@@ -2,14 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <map>
 
 #include "host/errors/error.hpp"
 #include "host/formats/atomic_file.hpp"
 #include "host/formats/cornell_brdf.hpp"
 #include "host/formats/scan_table.hpp"
+#include "tests/unit/optional_data.hpp"
 
 namespace umov::formats {
 namespace {
@@ -110,16 +109,10 @@ TEST(CornellBrdf, BadFilesAreRefusedWithTheLine) {
   EXPECT_FALSE(is_cornell_brdf("index,time_s\n"));
 }
 
-std::filesystem::path optional_data() {
-  const char* given = std::getenv("UMOV_DATA");
-  return given ? std::filesystem::path(given)
-               : std::filesystem::path(UMOV_SOURCE_DIR) / ".." / "shared" / "data";
-}
-
 TEST(CornellBrdf, TheDistributedPaintsAreWhatIsKnownOfThem) {
-  const auto path = optional_data() / "cornell_paint" / "garnet_red.brdf";
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here (set UMOV_DATA)";
-  const BrdfTable table = read_cornell_brdf(read_whole_file(path), path.string());
+  const auto path = umov::testing::optional_data("cornell_paint/garnet_red.brdf");
+  if (!path) GTEST_SKIP() << "no cornell_paint/garnet_red.brdf: name its folder in UMOV_DATA";
+  const BrdfTable table = read_cornell_brdf(read_whole_file(*path), path->string());
   const auto& p = table.points;
   ASSERT_EQ(p.size(), 1439u * 31u);
   std::size_t in_plane = 0, unused = 0;

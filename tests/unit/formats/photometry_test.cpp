@@ -2,12 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 
 #include "host/formats/photometry.hpp"
 #include "host/optics/angles.hpp"
 #include "tests/unit/failure.hpp"
+#include "tests/unit/optional_data.hpp"
 
 namespace umov::formats {
 namespace {
@@ -123,14 +122,11 @@ TEST(Photometry, AnglesComeBackBitByBit) {
 
 // Files of manufacturers; their own statements of flux.
 TEST(Photometry, RealFilesHoldTheFluxTheyState) {
-  const char* data = std::getenv("UMOV_DATA");
-  const std::filesystem::path folder =
-      std::filesystem::path(data == nullptr ? UMOV_SOURCE_DIR "/../shared/data" : data) /
-      "photometry";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder << ": set UMOV_DATA";
-  EXPECT_NEAR(read_photometry(folder / "examp1.ies").zonal_lm() / 5297.0, 1.0, 0.003);
+  const auto folder = umov::testing::optional_data("photometry");
+  if (!folder) GTEST_SKIP() << "no photometry/: name its folder in UMOV_DATA";
+  EXPECT_NEAR(read_photometry(*folder / "examp1.ies").zonal_lm() / 5297.0, 1.0, 0.003);
   for (const char* name : {"sample1.ldt", "sample4.ldt"}) {
-    const Photometry p = read_photometry(folder / name);
+    const Photometry p = read_photometry(*folder / name);
     EXPECT_NEAR(p.zonal_lm() / p.lamp_lm, 1.0, 0.003) << name;
   }
 }

@@ -9,12 +9,12 @@
 #include "host/formats/foreign_kind.hpp"
 #include "host/formats/scan_csv.hpp"
 #include "tests/unit/formats/scratch_folder.hpp"
+#include "tests/unit/optional_data.hpp"
 
 namespace umov::formats {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::optional_data;
 using testing::ScratchFolder;
 
 const std::string columns =
@@ -58,8 +58,8 @@ TEST(ScanCsv, CanonicalFileComesBackByteByByte) {
 }
 
 TEST(ScanCsv, TenScansOfAnotherProgramComeBackByteByByte) {
-  const auto folder = optional_data("foreign_scans");
-  if (!folder) GTEST_SKIP() << "the full foreign scans are not here: set UMOV_DATA";
+  const auto folder = umov::testing::optional_data("foreign_scans");
+  if (!folder) GTEST_SKIP() << "no foreign_scans/: name their folder in UMOV_DATA";
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(*folder)) {
     if (entry.path().extension() != ".csv") continue;

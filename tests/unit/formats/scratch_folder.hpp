@@ -1,12 +1,10 @@
-// A folder of its own for each test, removed at the end, and the optional data folder.
+// A folder of its own for each test, removed at the end.
 #pragma once
 
 #include <gtest/gtest.h>
 
 #include <unistd.h>
-#include <cstdlib>
 #include <filesystem>
-#include <optional>
 #include <string>
 
 namespace umov::formats::testing {
@@ -31,15 +29,5 @@ class ScratchFolder {
  private:
   std::filesystem::path path_;
 };
-
-/// $UMOV_DATA, or shared/data beside the source tree; nullopt where neither exists.
-inline std::optional<std::filesystem::path> optional_data(const std::string& inside) {
-  const char* named = std::getenv("UMOV_DATA");
-  const std::filesystem::path folder =
-      named != nullptr ? std::filesystem::path(named)
-                       : std::filesystem::path(UMOV_SOURCE_DIR) / ".." / "shared" / "data";
-  if (!std::filesystem::exists(folder / inside)) return std::nullopt;
-  return folder / inside;
-}
 
 }  // namespace umov::formats::testing

@@ -1,7 +1,5 @@
 // The engine of the diagnosis on a telescope's pointing: terms that the base model leaves out.
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <random>
 #include <string>
 
@@ -11,6 +9,7 @@
 #include "host/errors/error.hpp"
 #include "host/gap/engine/diagnosis.hpp"
 #include "host/gap/pointing/pointing_model.hpp"
+#include "tests/unit/optional_data.hpp"
 
 namespace umov::gap {
 namespace {
@@ -100,10 +99,8 @@ TEST(Pointing, UnknownTermsAndShortRunsAreRefused) {
 // The real runs, where the folder of optional measurements holds them: residual RMS in arc seconds
 // with nothing but offsets, and with all that was named, as published for these runs.
 TEST(Pointing, RealRunsNameTheirTerms) {
-  const char* data = std::getenv("UMOV_DATA");
-  const std::filesystem::path folder =
-      std::filesystem::path(data == nullptr ? "../shared/data" : data) / "mmt_pointing";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder << ": set UMOV_DATA";
+  const auto folder = umov::testing::optional_data("mmt_pointing");
+  if (!folder) GTEST_SKIP() << "no mmt_pointing/: name its folder in UMOV_DATA";
   struct Case {
     const char* file;
     double before, after;
@@ -112,7 +109,7 @@ TEST(Pointing, RealRunsNameTheirTerms) {
   const Case cases[] = {{"point_20210821.dat", 10.5, 1.4, {"azimuth_axis_tilt", "tube_flexure"}},
                         {"point_20230702.dat", 21.2, 1.45, {"azimuth_axis_tilt", "collimation"}}};
   for (const Case& c : cases) {
-    const PointingModel model(formats::read_pointing_run(folder / c.file), {});
+    const PointingModel model(formats::read_pointing_run(*folder / c.file), {});
     const Diagnosis d = diagnose(model);
     const auto rms = [&](const Refit& fit) {
       const Eigen::VectorXd left = model.observations().value - fit.mean;

@@ -7,9 +7,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
 
 #include "host/errors/error.hpp"
@@ -52,23 +52,23 @@ TEST(UsbDevices, AnErrorNamesWhatIsThere) {
 }
 
 TEST(UsbDevices, TheProcessThatHoldsANodeIsNamed) {
-  std::array<char, 32> path{"/tmp/umov-holder-XXXXXX"};
+  std::string path = std::filesystem::temp_directory_path() / "umov-holder-XXXXXX";
   const int descriptor = ::mkstemp(path.data());
   ASSERT_GE(descriptor, 0);
-  EXPECT_EQ(holder_of(path.data()), "") << "oneself is not meant";
+  EXPECT_EQ(holder_of(path.c_str()), "") << "oneself is not meant";
   const pid_t child = ::fork();
   if (child == 0) {
     for (;;) ::pause();
   }
   ::close(descriptor);
-  EXPECT_THAT(holder_of(path.data()), HasSubstr("(process " + std::to_string(child) + ")"));
-  EXPECT_THAT(failure_of([&] { throw_busy("usb:A1", path.data()); }),
+  EXPECT_THAT(holder_of(path.c_str()), HasSubstr("(process " + std::to_string(child) + ")"));
+  EXPECT_THAT(failure_of([&] { throw_busy("usb:A1", path.c_str()); }),
               HasSubstr("usb:A1: the controller is in use by test_instrument"));
   ::kill(child, SIGKILL);
   ::waitpid(child, nullptr, 0);
-  EXPECT_THAT(failure_of([&] { throw_busy("usb:A1", path.data()); }),
+  EXPECT_THAT(failure_of([&] { throw_busy("usb:A1", path.c_str()); }),
               HasSubstr("another program has opened the controller"));
-  ::unlink(path.data());
+  ::unlink(path.c_str());
 }
 
 TEST(UsbDevices, TheRuleForUdevIsAboutTheIdsOfTheFirmware) {
