@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <random>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "host/errors/error.hpp"
@@ -22,8 +24,8 @@ constexpr const char* format_name = "umov blind answers 1";
 
 /// Gives a finished file its name unless that is taken: never half a record, never two.
 void place_record(const fs::path& path, const std::string& text) {
-  const fs::path own = path.string() + "." + std::to_string(getpid()) + "." +
-                       formats::Sha256().hex_digest().substr(0, 8);
+  // Processes of other machines may have the same number.
+  const fs::path own = fmt::format("{}.{}.{:08x}", path.string(), getpid(), std::random_device{}());
   formats::replace_file(own, text);
   const int done = link(own.c_str(), path.c_str());
   const int why = errno;

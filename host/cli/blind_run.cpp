@@ -220,9 +220,13 @@ class BlindRun {
       const double start = gap::benchmark::thread_seconds();
       std::optional<std::vector<std::string>> known;
       if (truth_) known = truth_->known_causes(name);
-      formats::replace_file(
-          own / rivals_name,
-          gap::benchmark::rival_answers(answer.scans, how.diagnose, answer.first, known));
+      std::string rivals;
+      try {
+        rivals = gap::benchmark::rival_answers(answer.scans, how.diagnose, answer.first, known);
+      } catch (const std::exception&) {
+        // The case counts without what it would be compared with.
+      }
+      if (!rivals.empty()) formats::replace_file(own / rivals_name, rivals);
       timing["rivals_seconds"] = gap::benchmark::thread_seconds() - start;
     }
     formats::replace_file(own / timing_name, timing.dump() + "\n");

@@ -17,6 +17,7 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from provenance import SOURCE, UMOV, commit, machine  # noqa: E402
 
+UNMADE = "no material and size of the wanted effect give the wanted ρ"  # umov's own words
 DIAGNOSIS = ("host/gap", "host/brdf", "host/optics", "host/calibrate", "host/invert", "host/formats")
 
 
@@ -48,7 +49,7 @@ def launcher(options):
 
 
 def make(folder, cases, seed, *further):
-    """A sealed set in `folder`, unless it is there; False where none can be made."""
+    """A sealed set in `folder`, unless it is there; False where no case of the wanted effect is that large."""
     if (folder / "cases/SEAL").exists():
         umov("blind", "check", folder / "cases", "--truth", folder / "sealed", "--quiet")
         truth = json.loads((folder / "sealed/truth.json").read_text(encoding="utf-8"))
@@ -64,9 +65,12 @@ def make(folder, cases, seed, *further):
                           stderr=subprocess.PIPE if further else None, text=True, check=False)
     if done.returncode == 130:
         raise SystemExit(130)
-    if done.returncode != 0 and not further:
-        raise SystemExit(done.returncode)
-    return done.returncode == 0
+    if done.returncode == 0:
+        return True
+    if UNMADE in (done.stderr or ""):
+        return False
+    sys.stderr.write(done.stderr or "")
+    raise SystemExit(done.returncode)
 
 
 def run(folder, options, *further):
