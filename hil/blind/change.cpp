@@ -36,7 +36,6 @@ ChangeMeter::ChangeMeter(World world) : world_(std::move(world)) {
   const RecordNoise noise(world_.config, world_.acquisition);
   Bench bench(world_.config, world_.material.sample(), world_.seed, world_.acquisition);
   const std::vector<CleanRecord> records = bench.clean(world_.blocks);
-  duration_s_ = bench.time_s();
   std::vector<int> laser;
   for (const RowBlock& block : world_.blocks) {
     for (const Row& row : block.rows) laser.push_back(row.laser);

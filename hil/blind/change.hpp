@@ -8,7 +8,6 @@
 // are effects and not part of the base.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -56,7 +55,6 @@ class ChangeMeter {
   explicit ChangeMeter(World world);
 
   const World& world() const { return world_; }
-  double duration_s() const { return duration_s_; }
 
   /// Noise-free signals with effects in the plant.
   Signals signals(std::span<const Effect> effects) const;
@@ -86,7 +84,6 @@ class ChangeMeter {
   Signals base_;
   std::vector<double> deviation_;  ///< standard deviation of each entry of Signals
   Subspace refit_;
-  double duration_s_ = 0.0;
 };
 
 }  // namespace umov::blind

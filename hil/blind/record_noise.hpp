@@ -1,8 +1,6 @@
 // How well a record is known: the variance of x_v and y_v that the instrument's noise gives.
 #pragma once
 
-#include <array>
-
 #include "hil/blind/bench.hpp"
 
 namespace umov::blind {

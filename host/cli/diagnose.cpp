@@ -56,6 +56,17 @@ bool asks_of_a_scan(const Arguments& a) {
          a.options.model.model != gap::scan::ScanModelOptions{}.model;
 }
 
+/// No output may be an input, raw records, or another output.
+void require_outputs(const Arguments& a) {
+  std::vector<std::string> taken = a.scans;
+  for (const auto& [kind, path] : list_of(a.known)) taken.push_back(path);
+  for (const std::string& output : {a.json, a.next, a.report}) {
+    if (output.empty()) continue;
+    require_product_output(taken, output);
+    taken.push_back(output);
+  }
+}
+
 void run_luminaire(const Arguments& a, const Common& common) {
   if (a.scans.size() > 1 || asks_of_a_scan(a))
     throw Error("--luminaire goes with one map, --json, --report, --without and --quick only",
@@ -83,9 +94,7 @@ void run(Arguments& a, const Common& common) {
     return diagnose_surface(a.scans[0], a.surface, a.json, common);
   }
   if (!a.luminaire.empty()) return run_luminaire(a, common);
-  if (!a.json.empty()) require_product_output(a.scans, a.json);
-  if (!a.next.empty()) require_product_output(a.scans, a.next);
-  if (!a.report.empty()) require_product_output(a.scans, a.report);
+  require_outputs(a);
   a.options.picture = !a.report.empty();
   std::vector<formats::ScanTable> scans;
   for (const std::string& path : a.scans) scans.push_back(formats::read_scan(path).table);
@@ -117,6 +126,10 @@ void run(Arguments& a, const Common& common) {
   source.seed = common.seed;
   source.model = result.model;
   source.notes = result.notes;
+  const gap::Diagnosis& answer = result.answer;
+  if (!answer.ambiguity_sets.empty() && answer.next_scan.empty() && follow_ups.ended.empty())
+    source.notes.emplace_back(
+        "nothing on the menu of further scans tells apart what is in one set");
   source.quick = a.quick;
   source.limits = limits_of(result.limits);
   source.known = list_of(a.known);

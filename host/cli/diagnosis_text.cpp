@@ -1,6 +1,8 @@
 #include "host/cli/diagnosis_text.hpp"
 
 #include <algorithm>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -70,8 +72,8 @@ void print_diagnosis(const gap::Diagnosis& d, const gap::AnswerSource& source) {
   cells("where the simulation misses", d.where);
   cells("what is left", d.unexplained);
   for (const gap::FurtherScan& s : d.next_scan)
-    fmt::print("\nnext: {} ({:.0f} min, separation {:.1f} sigma)\n", s.menu, s.minutes,
-               s.expected_separation);
+    fmt::print("\nnext: {} ({:.0f} min, separation {:.1f} sigma) tells {}\n", s.menu, s.minutes,
+               s.expected_separation, fmt::join(gap::separations_in_words(s), ", "));
   if (!source.follow_up_ended.empty()) fmt::print("note: {}\n", source.follow_up_ended);
   for (const std::string& note : source.notes) fmt::print("note: {}\n", note);
 }

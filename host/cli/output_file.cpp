@@ -51,7 +51,8 @@ void require_new_output(const std::string& input, const std::string& output, boo
 void require_product_output(const std::vector<std::string>& inputs, const std::string& output) {
   for (const std::string& input : inputs)
     if (!input.empty() && same_file(input, output))
-      throw Error(Place{output}, "the output is an input", "name another file with -o");
+      throw Error(Place{output}, "is read or written for something else already",
+                  "name another file for the output");
   std::error_code ignored;
   if (std::filesystem::is_regular_file(output, ignored) && is_raw_data(output))
     throw Error(Place{output}, "holds raw records, which are never overwritten",

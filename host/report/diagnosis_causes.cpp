@@ -162,17 +162,9 @@ Json closed_fact(const gap::Diagnosis& d) {
 Json next_json(const gap::Diagnosis& d) {
   Json out = Json::array();
   for (const gap::FurtherScan& s : d.next_scan) {
-    Json separates = Json::array();
-    for (const auto& pair : s.separates) {
-      std::vector<std::string> names;
-      for (const std::string& name : pair) names.push_back(gap::plain_name(name));
-      const std::string text = fmt::format("{}", fmt::join(names, " from "));
-      if (std::find(separates.begin(), separates.end(), Json(text)) == separates.end())
-        separates.push_back(text);
-    }
     out.push_back({{"menu", s.menu},
                    {"words", gap::menu_in_words(s.menu)},
-                   {"separates", std::move(separates)},
+                   {"separates", gap::separations_in_words(s)},
                    {"separation", plain(s.expected_separation, 3)},
                    {"minutes", plain(std::max(1.0, std::round(s.minutes)), 3)}});
   }

@@ -1,7 +1,6 @@
 #include "host/gap/answer/diagnosis_json.hpp"
 
 #include <charconv>
-#include <cmath>
 
 #include <nlohmann/json.hpp>
 

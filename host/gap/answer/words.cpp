@@ -102,6 +102,17 @@ std::string plain_name(const std::string& effect) {
   return name;
 }
 
+std::vector<std::string> separations_in_words(const FurtherScan& scan) {
+  std::vector<std::string> all;
+  for (const std::vector<std::string>& pair : scan.separates) {
+    std::vector<std::string> names;
+    for (const std::string& name : pair) names.push_back(plain_name(name));
+    std::string words = fmt::format("{}", fmt::join(names, " from "));
+    if (std::find(all.begin(), all.end(), words) == all.end()) all.push_back(std::move(words));
+  }
+  return all;
+}
+
 bool is_series(std::size_t parameters) {
   constexpr std::size_t many = 8;
   return parameters > many;

@@ -114,9 +114,9 @@ class Diagnoser {
       if (least->held_out_chi2 > best.held_out_chi2) break;
       best = std::move(*least);
       best.refit = refit(model_, best.refit.explanation, whitening);
-      best.ln_evidence = log_evidence(model_, best.refit) +
-                         log_prior_odds(model_, options_.search) *
-                             static_cast<double>(best.refit.explanation.effects.size());
+      best.ln_evidence =
+          log_evidence(model_, best.refit) +
+          log_prior_odds(model_) * static_cast<double>(best.refit.explanation.effects.size());
     }
     return best;
   }
@@ -159,7 +159,7 @@ class Diagnoser {
     d_.excess = weigh_excess(
         model_, *kind, plain.shape(), leftover,
         learn_relative_noise(plain.shape(), leftover.residual, leftover.kept, leftover.noise_scale),
-        log_prior_odds(model_, options_.search));
+        log_prior_odds(model_));
     const ExcessVariance& found = *d_.excess;
     if (!found.confirmed()) return;
     const auto number = static_cast<std::size_t>(kind - effects.begin());
@@ -358,7 +358,7 @@ class Diagnoser {
     std::vector<std::set<std::string>> sets;
     Hypothesis better = best;
     std::string out, in;  // what `better` takes out and in
-    const double ln_odds = log_prior_odds(model_, options_.search);
+    const double ln_odds = log_prior_odds(model_);
     std::vector<std::size_t> members;
     for (const std::size_t e : best.refit.explanation.effects)
       if (!carries(e)) members.push_back(e);

@@ -2,8 +2,6 @@
 // closes, what cannot be told.
 #pragma once
 
-#include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>

@@ -118,9 +118,9 @@ class ForwardModel {
     static_cast<void>(most);
     return nullptr;
   }
-  /// Noise of the observations whose expectation is `mean`.
   /// Do predictions with derivatives cost so little that every refit may have its own?
   virtual bool is_quick() const { return false; }
+  /// Noise of the observations whose expectation is `mean`.
   virtual NoiseShape noise(const Eigen::VectorXd& mean) const = 0;
   /// False: the white part of noise() is right up to a common factor, which the engine estimates
   /// from what the whole catalogue together leaves.

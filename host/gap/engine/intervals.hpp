@@ -27,11 +27,9 @@ NamedValue named_value(const Parameter& parameter, double value, double error);
 /// from the fit's curvature. That of the first parameter (structure apart) is better than that
 /// where the curvature misleads:
 /// - beside a parameter that shapes the effect it is where the profile likelihood, all others
-/// fitted
-///   anew, has risen by 3.84: a narrow deep shadow and a broad shallow one may fit as well;
+///   fitted anew, has risen by 3.84: a narrow deep shadow and a broad shallow one may fit as well;
 /// - where the opposite sign fits as well (a small turn of a polariser acts by its square), it
-/// holds
-///   that too.
+///   holds that too.
 std::vector<NamedValue> effect_parameters(const ForwardModel& model, const Refit& fit,
                                           std::size_t place, const Whitening& whitening);
 

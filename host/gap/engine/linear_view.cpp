@@ -145,19 +145,14 @@ LinearView::LinearView(const ForwardModel& model, const Refit& at, const Whiteni
   for (std::size_t i = 0; i < fold.size(); ++i)
     rows[static_cast<std::size_t>(fold[i])].push_back(static_cast<Eigen::Index>(i));
   all_.matrix = Eigen::MatrixXd::Zero(fitted_, fitted_);
+  // A minimum of the whole: what the data pull is what the priors hold.
   all_.right = Eigen::VectorXd::Zero(fitted_);
   for (const auto& list : rows) {
     folds_.push_back(normal_of(columns.leftCols(fitted_), residual, list));
     all_.matrix += folds_.back().matrix;
-    all_.right += folds_.back().right;
-    all_.square += folds_.back().square;
   }
 
-  // The priors of fitted parameters: precision less what the data say (both in at.precision).
-  base_prior_ = at.prior_precision(at.free);
-  all_.matrix.diagonal() += base_prior_;
-  // A minimum of the whole: what the data pull is what the priors hold.
-  all_.right.setZero();
+  all_.matrix.diagonal() += at.prior_precision(at.free);
 
   // What the fitted parameters leave of the signatures, by orthogonal projection (normal equations
   // would lose half of the digits). Priors are further observations, of the parameters themselves.

@@ -95,9 +95,8 @@ class LinearView {
   std::vector<Candidate> candidates_;
   std::vector<Member> members_;
   std::vector<Normal> folds_;
-  Normal all_;                  ///< with the priors of the fitted parameters
-  Eigen::VectorXd base_prior_;  ///< precision of the fitted parameters' priors
-  Eigen::MatrixXd reduced_;     ///< signatures' Gram matrix, fitted parameters projected out
+  Normal all_;               ///< with the priors of the fitted parameters
+  Eigen::MatrixXd reduced_;  ///< signatures' Gram matrix, fitted parameters projected out
   Eigen::VectorXd reduced_right_;
   Eigen::Index fitted_ = 0;
   Eigen::VectorXd residual_, kept_by_fit_;

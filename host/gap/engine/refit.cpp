@@ -151,6 +151,8 @@ Explanation without_effect(const Explanation& explanation, std::size_t effect) {
   return result;
 }
 
+namespace {
+
 /// For every parameter of an explanation, which one of another's it is; -1 where it has none.
 std::vector<Eigen::Index> places_in(const Explanation& of, const Explanation& in) {
   std::vector<Eigen::Index> places(of.base.size());
@@ -166,6 +168,8 @@ std::vector<Eigen::Index> places_in(const Explanation& of, const Explanation& in
   }
   return places;
 }
+
+}  // namespace
 
 Refit refit(const ForwardModel& model, const Explanation& start, const Whitening& whitening,
             int max_iterations, const Refit* near, const std::vector<Eigen::Index>& held) {
@@ -247,7 +251,7 @@ Refit refit(const ForwardModel& model, const Explanation& start, const Whitening
   // Derivatives of a step ago serve again where they lead downhill fast enough.
   bool fresh = true;
   double damping = 1e-4;
-  for (; best.iterations < max_iterations; ++best.iterations) {
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
     const Eigen::VectorXd gradient = gradient_of(now);
     const double unit = std::max(1.0, now.chi2 / static_cast<double>(observed.size()));
     bool improved = false;

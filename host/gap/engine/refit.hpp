@@ -22,7 +22,6 @@ struct Refit {
   std::vector<Eigen::Index> free;
   double chi2 = 0;     ///< of the data
   double penalty = 0;  ///< of the priors
-  int iterations = 0;
   /// False: the derivatives of some parameters are those of a fit nearby.
   bool own_derivatives = true;
 };

@@ -5,7 +5,6 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <set>
 #include <span>
 
 #include <Eigen/Cholesky>
@@ -151,11 +150,9 @@ double log_evidence(const ForwardModel& model, const Refit& fit, double inflatio
   return value;
 }
 
-double log_prior_odds(const ForwardModel& model, const SearchOptions& options) {
+double log_prior_odds(const ForwardModel& model) {
   const double expected =
-      options.prior_probability > 0
-          ? options.prior_probability
-          : 1.0 / static_cast<double>(std::max<std::size_t>(2, model.effects().size()));
+      1.0 / static_cast<double>(std::max<std::size_t>(2, model.effects().size()));
   return std::log(expected / (1 - expected));
 }
 
@@ -167,7 +164,7 @@ using EffectSet = std::vector<std::size_t>;
 class Searcher {
  public:
   Searcher(const ForwardModel& model, const SearchOptions& options)
-      : model_(model), options_(options), ln_odds_(log_prior_odds(model, options)) {}
+      : model_(model), options_(options), ln_odds_(log_prior_odds(model)) {}
 
   SearchResult run() {
     tell(0, "base model");

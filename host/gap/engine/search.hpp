@@ -15,12 +15,10 @@
 namespace umov::gap {
 
 struct SearchOptions {
-  std::size_t max_effects = 8;    ///< besides structural ones
+  std::size_t max_effects = 8;    ///< besides the structure taken in before
   std::size_t max_structure = 6;  ///< structural ones taken in before the others
   std::size_t beam = 24;          ///< sets kept at each size
   std::size_t refits = 12;        ///< best sets that are refitted in full
-  double prior_probability =
-      0;  ///< of one effect before any data; 0: one effect is expected in all
   int folds = 10;
   std::uint64_t seed = 1;
   /// Effects that must not be used (numbers).
@@ -38,7 +36,7 @@ struct Hypothesis {
 };
 
 struct SearchResult {
-  /// The base model alone is always among them. Most probable first.
+  /// The base model alone is always among them.
   std::vector<Hypothesis> hypotheses;
   double noise_scale = 1;        ///< common factor of the white noise; 1 where it is known
   RelativeNoise relative_noise;  ///< as learned
@@ -58,8 +56,8 @@ inline constexpr double beyond_doubt = 300;
 
 /// The same options with structural effects left out.
 SearchOptions without_structure(const ForwardModel& model, SearchOptions options);
-/// ln of the odds of one effect before any data.
-double log_prior_odds(const ForwardModel& model, const SearchOptions& options);
+/// ln of the odds of one effect before any data: one is expected in all.
+double log_prior_odds(const ForwardModel& model);
 /// ln of the evidence of an explanation by Laplace's method, without the prior of its effects'
 /// presence. `inflation`: factor of the noise's variance; the curvature is left as it is.
 double log_evidence(const ForwardModel& model, const Refit& fit, double inflation = 1);

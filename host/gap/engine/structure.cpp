@@ -25,7 +25,7 @@ Refit with_structure(const ForwardModel& whole, Refit centre, const SearchOption
   constexpr std::size_t finalists = 4;
   constexpr std::size_t most_sets = 3;    // of effects that are not structural
   constexpr std::size_t most_starts = 2;  // of each, from other probes
-  const double ln_odds = log_prior_odds(model, options);
+  const double ln_odds = log_prior_odds(model);
   SearchOptions small_only = without_structure(model, options);
   small_only.beam = 4;
   small_only.max_effects = std::min<std::size_t>(3, options.max_effects);

@@ -1,9 +1,7 @@
 #include "host/gap/pointing/pointing_model.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <functional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,7 +1,6 @@
 // The effects of a gonioreflectometer scan, declared once: names, parameters, physics, sources and
 // the probes their signatures are taken at.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string_view>
 
@@ -317,7 +316,7 @@ class Catalogue {
     effects_[number(EffectId::speckle)].scatter = true;
   }
 
-  /// Three numbers, one a wavelength, tried together.
+  /// One number a wavelength, tried together.
   void spectral_family(EffectId id, const char* family, const char* physics, const char* source,
                        double usual) {
     std::vector<Parameter> parameters;

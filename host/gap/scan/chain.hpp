@@ -3,7 +3,6 @@
 // Template over the scalar: doubles for signatures, dual numbers for derivatives.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <span>
 
@@ -166,7 +165,6 @@ T reflected(const Material<T>& material, const Record& r, const Pose<A>& pose, b
 template <class T, class A>
 Lockin<T> record_signal(const Record& r, const ChainBase<T>& base, bool bent, const Switched<T>& on,
                         const Switched<A>& bending) {
-  using std::acos;
   using std::cos;
   using std::exp;
   if (!r.shutter_open) return detected(T(0.0), r, on);

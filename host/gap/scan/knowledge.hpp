@@ -45,8 +45,8 @@ struct KnownEffect {
 /// uncertainties, but no less than a tenth of what is usual (calibrations age) and no more than
 /// that. Values that are less than two of their own uncertainties count as none. Declared doubts of
 /// the bench become priors as they stand. `limits` gets what each may be off by: two uncertainties.
-///  `records` get a note of what is
-/// known. Throws umov::Error where the calibration lacks a wavelength of theirs.
+/// `records` get a note of what is known. Throws umov::Error where the calibration lacks a
+/// wavelength of theirs.
 std::vector<KnownEffect> know_effects(const calibrate::Calibration& calibration,
                                       ScanRecords& records, std::vector<Effect>& effects,
                                       std::vector<Tolerance>& limits);

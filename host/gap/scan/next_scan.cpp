@@ -183,8 +183,8 @@ ScanModel taken(const ScanModel& model, Rows rows, const Explanation& truth) {
   return model.with_records(rows);
 }
 
-/// Distance between what `truth` foretells and the nearest that `rival` can, having fitted the
-/// first measurement with precision `known`.
+/// Distance between what `truth` foretells and the nearest that `rival` can, held by what the first
+/// measurement said of its parameters.
 double distance(const ScanModel& further, const Explanation& truth, const Refit& rival,
                 const RelativeNoise& relative) {
   Eigen::VectorXd expected, foretold;

@@ -1,7 +1,6 @@
 #include "host/gap/scan/picture.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "host/parallel/for_each_index.hpp"
 

@@ -2,7 +2,6 @@
 // and the best explanation say, and what each cause does.
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 

@@ -97,10 +97,8 @@ ScanModel::ScanModel(const std::vector<formats::ScanTable>& scans, const ScanMod
                                                         : options.model)) {
   require_substance(records_);
   thin(records_, options.most_records);
-  for (const formats::ScanTable& scan : scans) {
-    noise_.push_back(calibrate::fit_noise(scan));
-    keep_the_surer_relative_noise(noise_.back());
-  }
+  noise_ = calibrate::fit_noise(scans.front());
+  keep_the_surer_relative_noise(noise_);
   for (const brdf::Component& part : model_.components())
     if (lobe_ < 0 && part.kind == brdf::Kind::microfacet) lobe_ = static_cast<int>(part.first);
 
@@ -513,7 +511,7 @@ NoiseShape ScanModel::noise(const Eigen::VectorXd& mean) const {
   Eigen::VectorXd& sigma = shape.sigma;
   for (Eigen::Index i = 0; i < n; ++i) {
     const Record& r = records_.records[used_[static_cast<std::size_t>(i)]];
-    const calibrate::NoiseModel& law = noise_.front();
+    const calibrate::NoiseModel& law = noise_;
     const double nm = records_.wavelengths_nm[r.wavelength];
     sigma[i] = std::sqrt(law.variance_normalised(nm, r.gain, mean[i]));
     sigma[n + i] = std::sqrt(law.variance_y(nm, r.gain, mean[i]));
@@ -528,7 +526,7 @@ NoiseShape ScanModel::noise(const Eigen::VectorXd& mean) const {
   shape.relative.head(n).cwiseAbs().cwiseQuotient(sigma.head(n)).maxCoeff(&clearest);
   const Record& r = records_.records[used_[static_cast<std::size_t>(clearest)]];
   const double dof =
-      noise_.front().dof_normalised(records_.wavelengths_nm[r.wavelength], r.gain, mean[clearest]);
+      noise_.dof_normalised(records_.wavelengths_nm[r.wavelength], r.gain, mean[clearest]);
   const double ratio = sigma[clearest] / mean[clearest];
   shape.doubt = ratio * ratio * std::max(form_of_the_law, std::sqrt(2 / dof));
   return shape;

@@ -49,7 +49,7 @@ class ScanModel : public ForwardModel {
   /// The same model looking at other records, of a measurement that could be made. Their values are
   /// not looked at.
   ScanModel with_records(std::vector<Record> records) const;
-  /// Number of the record of every observation; X of all first, then Y.
+  /// How many records count; each gives two observations, X of all first, then Y.
   std::size_t used() const { return used_.size(); }
 
  private:
@@ -75,7 +75,7 @@ class ScanModel : public ForwardModel {
   std::vector<std::size_t> used_;                       ///< numbers of the records that count
   brdf::Model model_;
   int lobe_ = -1;
-  std::vector<calibrate::NoiseModel> noise_;
+  calibrate::NoiseModel noise_;  ///< of the first scan
   Observations observations_;
   std::vector<std::vector<Eigen::Index>> same_place_;  ///< as in NoiseShape
   std::vector<Parameter> base_;

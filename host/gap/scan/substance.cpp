@@ -68,6 +68,10 @@ void require_variety(const ScanRecords& all) {
     least_v[r.wavelength] = std::min(least_v[r.wavelength], r.x_v);
     most_v[r.wavelength] = std::max(most_v[r.wavelength], r.x_v);
   }
+  if (angles.size() < 5)
+    throw Error(fmt::format("{} detector angle{} too few for a diagnosis", angles.size(),
+                            angles.size() == 1 ? " is" : "s are"),
+                "measure lobes and what lies between them: twenty angles or more");
   const auto constant = [](double from, double to) {
     return from <= to && !(to - from > 1e-6 * std::abs(to));
   };
@@ -77,9 +81,6 @@ void require_variety(const ScanRecords& all) {
                               "diagnosed from it",
                               all.wavelengths_nm[w]),
                   "check that the lock-in was read at each angle");
-  if (angles.size() < 5)
-    throw Error(fmt::format("{} detector angles are too few for a diagnosis", angles.size()),
-                "measure lobes and what lies between them: twenty angles or more");
 }
 
 /// Light on the way back to the source over light in the mirror direction, at the steepest

@@ -147,7 +147,7 @@ class Look {
     ADD_FAILURE() << "no such row";
     return 0.0;
   }
-  double duration_s() const { return meter_.duration_s(); }
+  double duration_s() const { return meter_.world().context.duration_s; }
 
  private:
   ChangeMeter meter_;

@@ -234,7 +234,7 @@ TEST(Proposals, GatherTheWaysToOneSetOfEffects) {
   const Whitening whitening(model.noise(mean));
   const LinearView view(model, refit(model, start, whitening), whitening, {}, true, 1);
   const SearchOptions options;
-  Beam beam(view, options, log_prior_odds(model, options), 0);
+  Beam beam(view, options, log_prior_odds(model), 0);
   const std::vector<ScoredSet> scored = beam.run();
   const std::vector<Proposal> found = proposals(view, scored, 3, 2);
   ASSERT_FALSE(found.empty());
