@@ -93,7 +93,7 @@ void add_study_command(CLI::App& root, const Common& common) {
   auto options = std::make_shared<Options>();
   auto* command = root.add_subcommand(
       "study",
-      "Repeat a paper's tables and figures on the emulated instrument; without NAME: list");
+      "Repeat a paper, foretell real data, try a diagnosis, as a page; without NAME: list");
   command->add_option("name", options->name, "study");
   command->add_option("-o,--output", options->output,
                       "folder for the page, its figures and the scans behind them");
