@@ -142,7 +142,7 @@ def page(folder, options, sections):
             "or a crowd of them is hidden (`hil/blind/README.md`). Each is diagnosed from its file alone; the truth was sealed before.",
             "What each measure counts is defined in `host/gap/benchmark/README.md`. Intervals hold 95 %: proportions by Clopper and",
             "Pearson, other figures by the bootstrap over cases. *Surely*: the whole interval lies on that side of the target.",
-            "How far any method could get with a single effect is in [ceilings.md](ceilings.md).", "",
+            "How far one who knows all but the effect gets with a single one is in [ceilings.md](ceilings.md).", "",
             f"Command `{command}`, commit of the diagnosis {said['program']['commit']}, {machine()}.", "", *sections]
 
 

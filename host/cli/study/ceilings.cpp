@@ -103,22 +103,22 @@ Page ceilings(const Options& options) {
   }
 
   Page page("ceilings", "How often could a single effect be named?", "");
-  page.paragraph(
-      fmt::format("What a plan allows, whatever the method: effects of the catalogue at a known "
-                  "visibility ρ (length in "
-                  "standard deviations of what a refit of the base leaves of them, at whatever "
-                  "size that takes), every one {} "
-                  "times on each of {} samples of "
-                  "the emulated instrument, in noise of {} % of the signal beside the records' "
-                  "own. They are named by evidence "
-                  "with everything known but which effect it is: linear signatures, the noise, the "
-                  "priors of sizes, and that "
-                  "there is one effect and no more. *Set*: all effects within {} of the best in "
-                  "twice the logarithm of the "
-                  "evidence. Further scans of the menu are as the diagnosis prescribes them: every "
-                  "second angle of two "
-                  "incidences.",
-                  trials, samples.size(), 100 * relative_noise, gap::NamingCeiling::ambiguous));
+  page.paragraph(fmt::format(
+      "What a plan allows one who knows all but the effect: effects of the catalogue at a known "
+      "visibility ρ (length in "
+      "standard deviations of what a refit of the base leaves of them, at whatever "
+      "size that takes), every one {} "
+      "times on each of {} samples of "
+      "the emulated instrument, in noise of {} % of the signal beside the records' "
+      "own. They are named by evidence "
+      "with everything known but which effect it is: linear signatures, the noise, the "
+      "priors of sizes, and that "
+      "there is one effect and no more. *Set*: all effects within {} of the best in "
+      "twice the logarithm of the "
+      "evidence. Further scans of the menu are as the diagnosis prescribes them: every "
+      "second angle of two "
+      "incidences.",
+      trials, samples.size(), 100 * relative_noise, gap::NamingCeiling::ambiguous));
   std::vector<std::vector<std::string>> rows;
   page.numbers()["plans"] = Json::array();
   for (std::size_t p = 0; p < plans().size(); ++p) {
