@@ -1,4 +1,4 @@
-// What a measurement allows, whatever the method.
+// What a measurement allows one who knows all but the effect.
 #include <gtest/gtest.h>
 
 #include "host/gap/benchmark/ceiling.hpp"
