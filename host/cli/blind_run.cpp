@@ -223,10 +223,11 @@ class BlindRun {
       std::string rivals;
       try {
         rivals = gap::benchmark::rival_answers(answer.scans, how.diagnose, answer.first, known);
-      } catch (const std::exception&) {
-        // The case counts without what it would be compared with.
+      } catch (const std::exception& error) {
+        // The case counts without what it would be compared with; the score says so.
+        rivals = Json{{"failed", error.what()}}.dump(1) + "\n";
       }
-      if (!rivals.empty()) formats::replace_file(own / rivals_name, rivals);
+      formats::replace_file(own / rivals_name, rivals);
       timing["rivals_seconds"] = gap::benchmark::thread_seconds() - start;
     }
     formats::replace_file(own / timing_name, timing.dump() + "\n");

@@ -60,6 +60,7 @@ std::optional<benchmark::Entry> entry_of(const benchmark::TrueCase& truth, const
     entry.largest_residual = rival(all, "largest_residual", place);
     entry.forward_bic = rival(all, "forward_bic", place);
     entry.oracle = rival(all, "oracle", place);
+    entry.rivals_failed = all.value("failed", "");
   }
   if (fs::exists(folder / timing_name)) {
     const nlohmann::json timing = json(timing_name);

@@ -168,6 +168,16 @@ class DiagnoseKnown(UmovCase):
                 self.write("t.toml", text)
                 self.refused("diagnose", SCANS / "scan_05.csv", "--tolerances", "t.toml", says=says)
 
+    def test_no_output_replaces_what_is_read_or_another_output(self):
+        scan = SCANS / "scan_05.csv"
+        self.write("t.toml", "keep = 1\n")
+        taken = ["t.toml", "already"]
+        self.refused("diagnose", scan, "--tolerances", "t.toml", "--json", "t.toml", says=taken)
+        self.refused("diagnose", scan, "--fit", "t.toml", "--report", "t.toml", says=taken)
+        self.refused("diagnose", scan, "--json", "one", "--next", "one", says=["one", "already"])
+        self.assertEqual((self.folder / "t.toml").read_text(), "keep = 1\n")
+        self.assertFalse((self.folder / "one").exists())
+
     def test_a_fit_is_the_simulation_and_held_it_shows_its_own_gap(self):
         self.write("bench.toml", bench(0.05))
         self.calibrate("cal.h5", "--plant", "bench.toml")

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "host/gap/benchmark/miss_reason.hpp"
 #include "host/gap/benchmark/seen.hpp"
 
 namespace umov::gap::benchmark {
@@ -102,49 +101,6 @@ std::vector<Entry> permuted(std::vector<Entry> entries, std::uint64_t seed) {
   for (std::size_t i = 0; i < order.size(); ++i)
     entries[order[i]].truth = truths[order[(i + 1) % order.size()]];
   return entries;
-}
-
-namespace {
-
-std::string why_missed(const Entry& entry, const std::vector<Claim>& claims) {
-  const std::optional<MissReason> reason = miss_reason(entry, claims);
-  if (!reason) return "";
-  std::string words(to_string(*reason));
-  if (reason == MissReason::search) words += fmt::format(" {:.0f}", *withheld_excess(entry));
-  return words;
-}
-
-}  // namespace
-
-std::vector<Miss> misses(const std::vector<Entry>& entries) {
-  std::vector<Miss> list;
-  for (const Seen& c : seen_by(entries, Candidate::diagnosis)) {
-    const TrueCase& t = *c.truth;
-    std::vector<std::string> effects;
-    for (std::size_t i = 0; i < t.effects.size() && i < 3; ++i)
-      effects.push_back(fmt::format("{} {:.1f}", t.effects[i].name, t.effects[i].rho));
-    if (t.effects.size() > 3) effects.push_back(fmt::format("and {} more", t.effects.size() - 3));
-    const auto add = [&](const char* measure, const Answer& answer) {
-      list.push_back({t.name, t.kind, measure, fmt::format("{}", fmt::join(effects, ", ")),
-                      t.family, t.style, claims_text(answer),
-                      why_missed(*c.entry, &answer == c.last ? c.last_claims : c.claims)});
-    };
-    if (c.is("none") && alarmed(t, *c.first)) add("false_alarms", *c.first);
-    if (c.is("single") && c.effect().rho >= 10 && in_plane(t) && !leads(c.claims, c.effect().name))
-      add("top1_set", *c.first);
-    if (c.is("single") && c.effect().rho >= 10 && !leads(c.last_claims, c.effect().name))
-      add("top1_followed", *c.last);
-    if (few_known(t) && t.rho >= 7 && !alarmed(t, *c.first)) add("detection", *c.first);
-    if (few_known(t) && c.first->flags_unknown()) add("known_flagged", *c.first);
-    if (pair_of(c, 10, false) && !exact(t, c.last_claims)) add("exact_pair", *c.last);
-    if (c.is("triple") && !exact(t, c.last_claims)) add("triples_f1", *c.last);
-    if (c.is("foreign") && t.rho >= 8 && t.look_alikes.empty() && !c.first->flags_unknown())
-      add("unknown_flagged", *c.first);
-    if (c.is("confounded") && !leads(c.claims, c.effect().name)) add("confounded_set", *c.first);
-    if (c.is("crowded") && !t.effects.empty() && !leads(c.claims, enlarged(c)))
-      add("crowded", *c.first);
-  }
-  return list;
 }
 
 }  // namespace umov::gap::benchmark

@@ -19,7 +19,8 @@ struct Entry {
   Answer first;  ///< on the case's own scan
   Answer last;   ///< after the prescribed scans; `first` where none was taken
   std::optional<Answer> largest_residual, forward_bic, oracle;
-  double seconds = 0;  ///< of one core; 0 where it is not known
+  std::string rivals_failed;  ///< why none of these could answer; empty otherwise
+  double seconds = 0;         ///< of one core; 0 where it is not known
   double further_seconds = 0;
 };
 
@@ -54,13 +55,6 @@ std::vector<Measure> measures(const std::vector<Entry>& entries, Candidate candi
 /// The same entries, each with another case's truth: what the measures say of answers that know
 /// nothing of their case.
 std::vector<Entry> permuted(std::vector<Entry> entries, std::uint64_t seed);
-
-/// A case that counts as missed; several where it fails in several ways.
-struct Miss {
-  std::string name, kind, measure, truth, material, style, answer;
-  std::string why;  ///< a MissReason, with the χ² at stake where it is `search`; may be empty
-};
-std::vector<Miss> misses(const std::vector<Entry>& entries);
 
 // What the measures and the breakdowns are made of.
 

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/gap/benchmark/breakdown.hpp"
-#include "host/gap/benchmark/miss_reason.hpp"
+#include "host/gap/benchmark/misses.hpp"
 #include "host/gap/benchmark/proportion.hpp"
 
 namespace umov::gap::benchmark {
@@ -154,8 +154,8 @@ std::string reasons_table(const std::vector<Miss>& misses) {
   std::map<std::string, std::map<MissReason, int>> counts;
   for (const Miss& m : misses) {
     if (!counts.contains(m.measure)) order.push_back(m.measure);
-    for (const MissReason reason : all_miss_reasons)
-      counts[m.measure][reason] += m.why.starts_with(to_string(reason));
+    auto& of_measure = counts[m.measure];
+    if (m.reason) ++of_measure[*m.reason];
   }
   std::string head = "| missed |", line = "|---|", text;
   for (const MissReason reason : all_miss_reasons) {
@@ -173,14 +173,15 @@ std::string reasons_table(const std::vector<Miss>& misses) {
 
 constexpr const char* reasons_in_words =
     "*Mimicry*: withheld rows speak no more for the truth, as the oracle fits it, than for what "
-    "was named (Δχ² ≤ 4); of an unknown effect: a known one was named. *Faint*: they do, by no "
-    "more "
-    "than the best effect of the catalogue gains in noise alone (Δχ² ≤ 12). *Search*: they do by "
-    "more, stated. *Unseen*: the oracle does not see at 99 % what is missing. *Rest*: all is "
-    "named, and "
-    "something is said to stay unexplained. *More*: all is named, and something besides. "
-    "*Material*, *chance*: there is no effect, and a reflectance that is not one Gaussian lobe, or "
-    "is. Withheld rows are those of the case's own scan.";
+    "was named (Δχ² ≤ 4); of an unknown effect: a known one was named and nothing significant is "
+    "left. *Faint*: they do, by no more than the best effect of the catalogue gains in noise alone "
+    "(Δχ² ≤ 12). *Search*: they do by more, stated. *Unseen*: the oracle does not see at 99 % what "
+    "is missing; of an unknown effect: nothing but a reflectance was named and nothing significant "
+    "is left. *Behind*: all is named, but not in the first place, or only as one with the "
+    "reflectance. *Rest*: all is named, and something is said to stay unexplained. *More*: all is "
+    "named, and something besides. *Material*, *chance*: there is no effect, and a reflectance "
+    "that is not one Gaussian lobe, or is. Withheld rows are those of the case's own scan. Of "
+    "crowds, which the oracle fits coarsely, they are not asked.";
 
 struct Times {
   std::size_t n = 0;
@@ -237,6 +238,12 @@ std::string head(const std::vector<Entry>& entries, const ScoreSource& source) {
                                                         : program.at("commit").get<std::string>(),
         program.at("sha256").get<std::string>().substr(0, 16), run.at("options").dump());
   }
+  const auto failed = [](const Entry& e) { return !e.rivals_failed.empty(); };
+  const auto first = std::find_if(entries.begin(), entries.end(), failed);
+  if (first != entries.end())
+    text += fmt::format("Of {} cases floors and oracle failed, such as {}: {}.\n",
+                        std::count_if(entries.begin(), entries.end(), failed), first->truth.name,
+                        first->rivals_failed);
   return text;
 }
 

@@ -9,8 +9,8 @@ namespace umov::gap {
 
 /// Intervals about the sizes in `diagnosis`. Before and after: rows are withheld one at a time
 /// (several at a time where there are more than four hundred) and what is foretold of them is drawn
-/// anew with replacement, `draws` times. Floor: the spread of the
-/// mean square of as many values that hold nothing but noise.
+/// anew with replacement, `draws` times. Floor: the spread of the mean square of as many values
+/// that hold nothing but noise.
 GapBounds gap_bounds(const ForwardModel& model, const Diagnosis& diagnosis, int draws,
                      std::uint64_t seed);
 

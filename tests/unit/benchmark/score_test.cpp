@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "host/gap/benchmark/breakdown.hpp"
+#include "host/gap/benchmark/misses.hpp"
 #include "host/gap/benchmark/score_page.hpp"
 #include "tests/unit/benchmark/hand_made.hpp"
 
@@ -287,6 +288,16 @@ TEST(Breakdown, an_effect_left_out_is_flagged_mimicked_absorbed_or_not_seen) {
   EXPECT_EQ(rows[0].mimics, std::vector<std::string>{"stray_forward"});
   EXPECT_EQ(rows[0].absorbed, 1u);
   EXPECT_EQ(rows[0].unseen, 1u);
+}
+
+TEST(ScorePage, says_where_floors_and_oracle_failed) {
+  Entry lone = entry(truth("none", {}), answer("none_needed"));
+  EXPECT_EQ(score_markdown({lone}, {}).find("failed, such as"), std::string::npos);
+  lone.rivals_failed = "no memory";
+  EXPECT_NE(score_markdown({lone}, {})
+                .find("Of 1 cases floors and oracle failed, such as "
+                      "case_0001: no memory."),
+            std::string::npos);
 }
 
 TEST(ScorePage, says_what_was_met_what_was_missed_and_how_sure_that_is) {

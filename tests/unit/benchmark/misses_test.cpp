@@ -1,7 +1,7 @@
 // Why a case is missed: what withheld rows and the oracle say of it.
 #include <gtest/gtest.h>
 
-#include "host/gap/benchmark/miss_reason.hpp"
+#include "host/gap/benchmark/misses.hpp"
 #include "host/gap/benchmark/score_page.hpp"
 #include "tests/unit/benchmark/hand_made.hpp"
 
@@ -21,7 +21,7 @@ Entry leaking(const Answer& first, double g2_after) {
 }
 
 std::optional<MissReason> reason(const Entry& e) {
-  return miss_reason(e, claims_of(e.first));
+  return miss_reason(e, e.first);
 }
 
 const Answer turned = answer("explained", {{"polarizer_rotation", .9}});
@@ -52,6 +52,29 @@ TEST(MissReason, a_flag_beside_the_right_name_is_a_rest_and_a_second_name_more) 
             MissReason::more);
 }
 
+TEST(MissReason, what_is_named_in_the_second_place_is_behind) {
+  Entry e = leaking(answer("explained", {{"sample_model", .9}, {"polarizer_leakage", .9}},
+                           {{"sample_model", "polarizer_leakage"}}),
+                    0.01);
+  e.truth.one_gaussian_lobe = false;
+  EXPECT_EQ(reason(e), MissReason::behind);
+}
+
+TEST(MissReason, one_claim_does_not_serve_two_effects) {
+  Entry e = leaking(answer("explained", {{"dust", .6}}, {{"dust", "backlash"}}), 0.02);
+  e.truth = truth("double", {{"dust", 20}, {"backlash", 12}});
+  EXPECT_EQ(reason(e), MissReason::search);
+}
+
+TEST(MissReason, nothing_is_said_of_crowds_and_of_answers_that_do_not_say_how_many_records) {
+  Entry crowd = leaking(turned, 0.02);
+  crowd.truth.kind = "crowded";
+  EXPECT_FALSE(reason(crowd));
+  Entry silent = leaking(turned, 0.02);
+  silent.first.records_used = 0;
+  EXPECT_FALSE(reason(silent));
+}
+
 TEST(MissReason, cases_without_a_known_effect_have_reasons_of_their_own) {
   Entry none = entry(truth("none", {}), answer("unexplained"));
   EXPECT_EQ(reason(none), MissReason::chance);
@@ -71,7 +94,8 @@ TEST(MissReason, without_an_oracle_nothing_is_said) {
 
 TEST(MissReason, the_page_counts_reasons_by_measure) {
   const std::string page = score_markdown({leaking(turned, 0.02), leaking(turned, 0.01)}, {});
-  EXPECT_NE(page.find("| top1_set | 1 | 0 | 1 | 0 | 0 | 0 | 0 | 0 |"), std::string::npos) << page;
+  EXPECT_NE(page.find("| top1_set | 1 | 0 | 1 | 0 | 0 | 0 | 0 | 0 | 0 |"), std::string::npos)
+      << page;
 }
 
 }  // namespace
